@@ -40,9 +40,9 @@ std::string pageOf(const std::vector<bench::Measurement>& rows) {
   constexpr const char* kLevels[] = {"baseline", "AVX2", "AVX-512"};
   std::string page = fmt::format(
       "# What Enamel costs: speed against error\n\n{}, {} threads, loops for {}; enamel {}.\n\nTimes of one call, us. "
-      "*faster*: how many times, than the conventional way or the reference of the same row in the same run. On a "
-      "shared machine times change from minute to minute: trust the ratios. p99 is over batches of calls, for "
-      "collision, scene and solid over single calls.\n",
+      "*faster*: the speed relative to the conventional method, or to the reference of the same row, in the same run. "
+      "On a shared machine, times change from minute to minute: compare the ratios. p99 is over batches of calls; for "
+      "collision, scene and solid it is over single calls.\n",
       processor(), std::thread::hardware_concurrency(), kLevels[static_cast<int>(simdLevel())], buildText());
   std::string group;
   for (const auto& row : rows) {
@@ -68,21 +68,22 @@ void run(const BenchOptions& options) {
                row.median_us, row.p99_us, cell(row.p999_us, "{:.4g}"), cell(row.goal_us, "{:.4g}"),
                cell(row.reference_us / row.median_us, "{:.1f}"), row.error, row.errorOf);
   fmt::print(
-      "* how many times faster than the conventional way, measured in the same run. Times are noisy on a shared\n"
-      "  machine: trust the ratios. p99 is over batches of calls, for collision, scene and solid over single calls.\n");
+      "* speed relative to the conventional method, measured in the same run. Times are noisy on a shared machine:\n  "
+      "compare the ratios. p99 is over batches of calls; for collision, scene and solid it is over single calls.\n");
 }
 
 }  // namespace
 
 void addBench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand("bench", "Speed against error: one row a measurement, times in microseconds");
-  command->add_option(
-      "--filter", options->filter,
-      "only rows whose name contains this text; a group first (device, control, tick, collision, scene, solid, plant) "
-      "measures only that one");
-  command->add_option("--report", options->report, "writes the table as a page in Markdown, with what machine it was");
-  command->add_option("--scale", options->scale, "multiplies the number of batches")
+  CLI::App* command =
+      app.add_subcommand("bench", "Measures speed against error: one row a measurement, times in microseconds");
+  command->add_option("--filter", options->filter,
+                      "measures only rows whose name contains this text; if the text begins with a group (device, "
+                      "control, tick, collision, scene, solid, plant), only rows of that group");
+  command->add_option("--report", options->report,
+                      "file for the table as a page in Markdown, which also names the machine");
+  command->add_option("--scale", options->scale, "factor of the number of batches")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
   addOverwrite(*command, options->overwrite, {"--report"});

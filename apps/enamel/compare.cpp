@@ -49,38 +49,38 @@ void addCompare(CLI::App& app) {
   study.encoders = study.insideTick = true;
   CLI::App* command = app.add_subcommand(
       "compare",
-      "Renderers x plants x delays x tasks, with encoders and steps inside the tick. Without --output a table: what\n"
-      "people do to a wall besides a push, a column a renderer. With it every renderer, plant and delay and the task\n"
-      "push too: compare.html ranks them, compare.csv and tasks.csv have the numbers, a folder a plant and delay the "
-      "runs.");
+      "Compares renderers on plants, delays and tasks, with encoders and steps inside the tick. Without --output, it "
+      "prints\na table of every task except push, one column a renderer. With --output, it also performs the task push "
+      "and\nuses more renderers, plants and delays. compare.html ranks them, compare.csv and tasks.csv have the "
+      "numbers, and\none folder for each plant and delay has the runs.");
   addStudyOptions(*command, std::shared_ptr<StudyOptions>(options, &study));
   command->get_option("--device")->required();
   for (const auto& [name, text] : {std::pair{"--renderers", "position-control,hold,impedance; with --output ten"},
                                    {"--runs", "20; 10 with the task push"},
                                    {"--device-damping", "impedance=4,impedance-edge=4"}})
     command->get_option(name)->default_str(text);
-  takeOldNames(
-      command->add_option("--plants", options->plants, "the ideal device and imperfect ones; multibody takes hours")
-          ->delimiter(',')
-          ->check(CLI::IsMember(plantNames()))
-          ->default_str("closed-form; with --output closed-form,imperfect-stiff,imperfect"),
-      "plant");
-  command->add_option("--delays", options->delays, "of the command, ticks: none, constant:D or random:A..B")
+  takeOldNames(command->add_option("--plants", options->plants, "plants; multibody takes hours")
+                   ->delimiter(',')
+                   ->check(CLI::IsMember(plantNames()))
+                   ->default_str("closed-form; with --output closed-form,imperfect-stiff,imperfect"),
+               "plant");
+  command->add_option("--delays", options->delays, "delays of the command, ticks: none, constant:D or random:A..B")
       ->delimiter(',')
       ->default_str("none; with --output none,constant:1,constant:2,constant:3,random:0..3");
   command
       ->add_option("--tasks", options->tasks,
-                   "push (the study's scenarios, a folder of runs) and parts of names: step, ramp, impact, release, "
-                   "slide, corner, pulse, overload")
+                   "push (the scenarios of enamel study, needs --output), or parts of the names step, ramp, impact, "
+                   "release, slide, corner, pulse, overload")
       ->delimiter(',')
       ->default_str("all but push; with --output push,impact,release,slide,corner");
-  command->add_option("--stiffness", study.impedance.stiffness, "of impedance and passivity, N/m")
+  command->add_option("--stiffness", study.impedance.stiffness, "stiffness of impedance and passivity, N/m")
       ->capture_default_str();
-  command->add_option("--damping", study.impedance.damping, "of impedance and passivity, N s/m")->capture_default_str();
+  command->add_option("--damping", study.impedance.damping, "damping of impedance and passivity, N s/m")
+      ->capture_default_str();
   command->add_option("--noise", study.noise, "standard deviation of the person's force, N")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
-  command->add_option("--inertia", study.inertia, "of the renderers' model, as a share of the plant's")
+  command->add_option("--inertia", study.inertia, "inertia of the renderers' model divided by the plant's")
       ->capture_default_str();
   command->add_option("--output", study.output, "folder for the results");
   command->callback([options, command] {

@@ -108,8 +108,8 @@ void printSummary(const Device& device, const DesignedServo& servo) {
         "velocity)\n",
         device.problem.push, servoScore->stiffness, 100.0 * servoScore->stiffness / limit, servoScore->chatter);
   else
-    fmt::print("first impact, {:.4g} N: none, {}\n", device.problem.push,
-               limit > 0.0 ? "the push is not stopped" : "the motors cannot hold it: see --force");
+    fmt::print("first impact, {:.4g} N: not measured, {}\n", device.problem.push,
+               limit > 0.0 ? "the wall does not stop the push" : "the motors cannot hold the push: see --force");
   fmt::print("\n{:<6} {:>10} {:>10} {:>10}\n", "input", "gain up", "gain down", "phase deg");
   for (std::size_t i = 0; i < m.channel.size(); ++i)
     fmt::print("q{:<5} {:>10.3f} {:>10.4f} {:>10.1f}\n", i + 1, m.channel[i].gainUp, m.channel[i].gainDown,
@@ -145,7 +145,7 @@ std::optional<TunedServo> printTradeOff(const Device& device, const DesignOption
              options.push);
   fmt::print(
       "Table II: + met, - not met: overshoot, rise, settling; then, under 10 N or 0.1 N m, deviation of joints,\n"
-      "TCP position, TCP orientation. 'step': the first three were required (they are measured without delay).\n\n");
+      "TCP position, TCP orientation. 'step': the search required the first three (measured without delay).\n\n");
   fmt::print("{:>5} {:>8} {:>11} {:>7} {:>6} {:>7} {:>9}   {:<7} {:>10} {:>10} {:>10}\n", "delay", "step", "K_z1 N/m",
              "% limit", "stable", "disk", "chatter", "TableII", "q-velocity", "q-position", "q-integral");
   std::optional<TunedServo> chosen;
@@ -181,9 +181,9 @@ void writeImpedanceMap(const DesignOptions& options, const Device& device) {
   }
   writeFile(options.impedanceMap, text);
   fmt::print(
-      "impedance wall: effective mass {:.3g} kg, mechanical damping {:.3g} N s/m: of {} walls {} are stable; {} "
-      "meet eq. 16, of which {} (with delay) are unstable\n",
-      wallDevice.mass, wallDevice.damping, map.size(), stable, passive, broken);
+      "impedance wall: effective mass {:.3g} kg, mechanical damping {:.3g} N s/m: {} of {} walls are stable; {} meet "
+      "eq. 16, and {} of these are unstable (with delay)\n",
+      wallDevice.mass, wallDevice.damping, stable, map.size(), passive, broken);
 }
 
 void run(DesignOptions options) {
@@ -204,7 +204,9 @@ void run(DesignOptions options) {
   if (options.tune) {
     auto tuned = printTradeOff(device, options);
     if (options.output.empty()) return;
-    if (!tuned) throw Error("no servo meets the requirements: nothing is written");
+    if (!tuned)
+      throw Error(
+          "no servo meets the requirements, nothing is written: relax --disk-margin, --chatter or --step-response");
     fmt::print("\n");
     design = tuned->design;
   } else {
@@ -233,8 +235,8 @@ void addServoOptions(CLI::App& command, DesignOptions& options) {
       ->delimiter(',')
       ->expected(3)
       ->capture_default_str();
-  command.add_flag("--tune", options.tune, "search the weights (they are then not read)");
-  command.add_option("--disk-margin", options.required.diskMargin, "--tune: least disk margin")
+  command.add_flag("--tune", options.tune, "search the weights (the options --q-... and --r are ignored)");
+  command.add_option("--disk-margin", options.required.diskMargin, "--tune: smallest disk margin")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command.add_option("--delay", options.required.delay, "--tune: delay of the servo to write, samples")
@@ -242,42 +244,43 @@ void addServoOptions(CLI::App& command, DesignOptions& options) {
       ->capture_default_str();
   command.add_flag("--step-response", options.required.stepResponse,
                    "--tune: the servo to write meets the step-reference rows of Table II");
-  command.add_option("--impedance-map", options.impedanceMap, "where the stability map goes (CSV)");
-  command.add_option("--force", options.push, "push of the first impact that is reported, N")
+  command.add_option("--impedance-map", options.impedanceMap, "file for the stability map of impedance walls (CSV)");
+  command.add_option("--force", options.push, "force of the push for the reported first impact, N")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command
       .add_option("--device-damping", options.deviceDamping,
-                  "of the TCP along z, N s/m, beside what the device file gives (the paper's spring has 4)")
+                  "damping of the TCP along z, N s/m, added to that of the device file (4 for the paper's spring)")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
 }
 
 void addSearchOptions(CLI::App& command, DesignOptions& options) {
   command.add_flag("--rivals", options.rivals,
-                   "the controllers that position control is compared with, each found by simulation of its loop at "
-                   "every delay (an hour);\n"
-                   "--output writes the values for --tuned of study and compare");
+                   "tune the rivals of position control in simulation, each at every delay (an hour);\n--output writes "
+                   "the values for --tuned of study and compare");
   options.search.plant = kClosedForm;
   takeOldNames(command.add_option("--plant", options.search.plant, std::string("--rivals: ") + kPlantHelp)
                    ->check(CLI::Validator(checkPlant, ""))
                    ->capture_default_str(),
                "plant");
   command.add_option("--scene", options.search.scene,
-                     "--rivals: pushed there too, must not slide off what the start is nearest to (TOML)");
-  command.add_option("--half-width", options.search.halfWidth, "--rivals: of the wall, m")
+                     "--rivals: scene file (TOML); the search also pushes there, and the tool must not slide off the "
+                     "obstacle nearest to start");
+  command.add_option("--half-width", options.search.halfWidth, "--rivals: half width of the wall, m")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  command.add_option("--generations", options.search.generations, "--rivals: of the search, 8 servos each")
+  command.add_option("--generations", options.search.generations, "--rivals: generations of the search, 8 servos each")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  command.add_option("--runs", options.search.runs, "--rivals: steps of force a point that evaluate a servo")
+  command.add_option("--runs", options.search.runs, "--rivals: steps of force at each point to evaluate a servo")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  command.add_option("--threads", options.search.threads, "0 means all; the result is the same")
+  command
+      .add_option("--threads", options.search.threads, "number of threads, 0: all; the result does not depend on it")
       ->check(CLI::Range(0, kMaxThreads))
       ->capture_default_str();
-  command.add_option("--seed", options.search.seed, "--rivals: of the random numbers")->capture_default_str();
+  command.add_option("--seed", options.search.seed, "--rivals: seed of the random numbers")->capture_default_str();
 }
 
 }  // namespace
@@ -286,14 +289,13 @@ void addDesign(CLI::App& app) {
   auto options = std::make_shared<DesignOptions>();
   CLI::App* command = app.add_subcommand(
       "design",
-      "What position control is expected to do on a device, and what limits it, from simulated pushes.\n"
-      "Then the paper's servo for it (the renderer hold): linearise, hold, Riccati; margins and Table II.\n"
-      "--output writes the design (JSON: models, K, P, poles, margins, requirements) for --gain of push and study.\n"
-      "--tune searches the weights and\n"
-      "prints how stiff the servo can be for each delay; with --output the servo of --delay is written.\n"
-      "--impedance-map writes where an impedance wall is stable (CSV).");
+      "Estimates by simulated pushes what position control reaches on a device, and what limits it.\nThen designs the "
+      "paper's servo for the device (the renderer hold): linearisation, zero-order hold, Riccati equation,\nmargins "
+      "and Table II.\n--output writes the design (JSON: models, K, P, poles, margins, requirements) for --gain of push "
+      "and study.\n--tune searches the weights and prints the stiffest servo for each delay; with --output, it writes "
+      "that of --delay.\n--impedance-map writes which impedance walls are stable (CSV).");
   command->add_option("--device", options->device, "device file (TOML)")->required();
-  command->add_option("--output", options->output, "where the design goes (JSON)");
+  command->add_option("--output", options->output, "file for the design (JSON)");
   addServoOptions(*command, *options);
   command
       ->add_option_function<double>(

@@ -13,13 +13,13 @@ std::string helpOf(const WallExpectation& e) {
   for (const DeviceChange& change : e.changes)
     if (change.gain > kHelps)
       text += fmt::format("{}{}: {:+.0f} %", text.empty() ? "" : "; ", change.name, 100.0 * change.gain);
-  return text.empty() ? "nothing by more than 5 %" : text;
+  return text.empty() ? "no change above 5 %" : text;
 }
 
 }  // namespace
 
 void printExpectation(const std::vector<WallExpectation>& expectations, double period, double damping) {
-  fmt::print("Position control, expected from {} simulated pushes at home along z, with encoders:\n",
+  fmt::print("Position control, estimated from {} simulated pushes at home along z, with encoders:\n",
              expectations.front().runs);
   fmt::print("{:>5} {:>10} {:>9} {:>7} {:>10} {:>14} {:>5}  {}\n", "delay", "K_d", "chatter", "bounce", "safe push",
              "passive spring", "lost", "what would help");
@@ -29,8 +29,8 @@ void printExpectation(const std::vector<WallExpectation>& expectations, double p
                e.chatter, 1e6 * e.bounce, e.safePush, 1e-3 * 2.0 * damping / (period * (1.0 + 2.0 * e.delay)), e.lost,
                helpOf(e));
   fmt::print(
-      "K_d: force of a push over its deepest point in 0.1 s, mean. Safe push: less than {:g} mm deep. Passive spring:\n"
-      "the stiffest by 2 b / (T (1 + 2 d)), with the device's own damping b = {:.3g} N s/m.\n\n",
+      "K_d: force of a push divided by its deepest point in 0.1 s, mean. Safe push: stays less than {:g} mm deep. "
+      "Passive\nspring: the stiffest, 2 b / (T (1 + 2 d)), with the device's own damping b = {:.3g} N s/m.\n\n",
       1e3 * kSafeDepth, damping);
 }
 

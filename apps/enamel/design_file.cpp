@@ -12,7 +12,7 @@ std::string jsonOf(const DesignedServo& servo) {
   out["note"] =
       "Linear model at the operating point, state y=[qdot;q-q0], input torque minus gravity torque; augmented with "
       "xi' = r - q, zero-order hold, LQR with Q=diag(velocity I, position I, integral I), R=torque I; "
-      "u = -K [qdot; q-q0; xi]. Poles in rad/s, delays in samples; null stands for infinite.";
+      "u = -K [qdot; q-q0; xi]. Poles in rad/s, delays in samples; null means infinite.";
   out["model"] = servo.model;
   out["position"] = listOf(servo.position);
   out["device_damping"] = servo.deviceDamping;

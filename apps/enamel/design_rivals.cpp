@@ -51,9 +51,8 @@ int threadsOf(const RivalSearchOptions& options) { return options.threads > 0 ? 
 void printTask(const WallDesignSetup& setup) {
   fmt::print(
       "pushes of {:.4g} to {:.4g} N inside a tick after {:.4g} N, at the wall's centre and corners; encoders, noise "
-      "{:.4g} N\nbounds: chatter {:.3g} (--chatter), bounce {:.0f} um\n'% limit': K_z1 as a share of what physics "
-      "allows, lowest of the points' means; '% worst': lowest "
-      "run\n\n",
+      "{:.4g} N\nbounds: chatter {:.3g} (--chatter), bounce {:.0f} um\n'% limit': K_z1 as a share of the physical "
+      "limit, lowest of the points' means; '% worst': the same of the lowest run\n\n",
       setup.lowestForce, setup.highestForce, setup.preload, setup.noise, setup.chatter, 1e6 * setup.bounce);
   printHead();
 }
@@ -67,7 +66,7 @@ std::string ticksText(const Delay& delay) {
 std::string designRivals(const RivalSearchOptions& options) {
   const int threads = threadsOf(options);
   WallDesignSetup setup = setupOf(options);
-  fmt::print("rivals on {}, each the best of {} generations, on new random numbers\n", setup.plant->name(),
+  fmt::print("rivals on {}, each the best of {} generations, evaluated with new random numbers\n", setup.plant->name(),
              options.generations);
   printTask(setup);
   ControllerFile file{std::filesystem::path(options.device).filename().string(), {}};

@@ -75,7 +75,7 @@ void print(const char* name, const DurationHistogram& h) {
 
 void print(const PeriodicTiming& timing) {
   fmt::print("periods {}, missed {}, scheduling {}\n", timing.periods.load(), timing.missed.load(),
-             timing.realtime.load() ? "real-time (SCHED_FIFO)" : "normal: the real-time class was refused");
+             timing.realtime.load() ? "real-time (SCHED_FIFO)" : "normal: the system refused the real-time class");
   print("wake-up error", timing.wakeUp);
   print("compute time of a period", timing.compute);
 }
@@ -173,7 +173,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
 
   RecordingHeader header;
   if (!options.record.empty()) {
-    if (options.device.empty()) throw Error("--record needs --device: its file stands in the recording");
+    if (options.device.empty()) throw Error("--record needs --device: the recording contains the device file");
     header.deviceFile = std::filesystem::absolute(options.device).string();
     header.deviceText = readFile(options.device);
   }
@@ -214,7 +214,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
     const Wait wait;
     HapticLoop loop(device, haptics, how);
     fmt::print("{} at {}: {}, memory {}\n", mechanism->name(), options.connect, options.renderer,
-               loop.memoryLocked() ? "locked" : "not locked: refused");
+               loop.memoryLocked() ? "locked" : "not locked: the system refused");
     std::fflush(stdout);
     wait(options.duration == 0.0 ? 10.0 : options.duration);
     while (loop.refresh()) fault = isFault(loop.latest().reason) ? loop.latest().reason : GuardReason::none;
@@ -238,7 +238,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
 }
 
 void run(DeviceOptions options) {
-  if (options.serve == !options.connect.empty()) throw Error("give --serve or --connect HOST:PORT");
+  if (options.serve == !options.connect.empty()) throw Error("give either --serve or --connect HOST:PORT");
   if (!options.key.empty()) options.server.link.key = readKey(options.key);
   const auto mechanism =
       makeMechanism(options.device.empty() ? DeviceParameters(nominalDevice()) : loadDevice(options.device));
@@ -254,26 +254,34 @@ void addDevice(CLI::App& app) {
   auto options = std::make_shared<DeviceOptions>();
   CLI::App* command = app.add_subcommand(
       "device",
-      "A device over UDP: serves the virtual one, in real time and moved by a hand, or runs a haptic loop on one that\n"
-      "is served. Prints at the end how it went. The protocol: lib/docs/device.md.");
-  CLI::Option* serve = command->add_flag("--serve", options->serve, "until --duration or a signal");
-  CLI::Option* connect = command->add_option("--connect", options->connect, "HOST or HOST:PORT of what is served");
-  command->add_option("--device", options->device, "device file (TOML), the same on both sides; without it the TAU");
-  command->add_option("--port", options->server.port, "0: any that is free")->capture_default_str()->needs(serve);
-  command->add_option("--bind", options->server.address, "others than 127.0.0.1 need --key")
+      "Uses a device over UDP: --serve serves a virtual device in real time, moved by a simulated hand; --connect runs "
+      "a\nhaptic loop on a served device. Both print statistics at the end. The protocol: lib/docs/device.md.");
+  CLI::Option* serve =
+      command->add_flag("--serve", options->serve, "serve a virtual device until --duration or a signal");
+  CLI::Option* connect = command->add_option("--connect", options->connect, "HOST or HOST:PORT of the server");
+  command->add_option("--device", options->device,
+                      "device file (TOML), the same on both sides; default: the nominal TAU");
+  command->add_option("--port", options->server.port, "port of the server; 0: any free port")
       ->capture_default_str()
       ->needs(serve);
-  command->add_option("--key", options->key, "file with the key that both sides share, 32 hexadecimal digits");
-  command->add_option("--rate", options->rate_Hz, "of the device's ticks, Hz, the same on both sides")
+  command->add_option("--bind", options->server.address, "address of the server; any other than 127.0.0.1 needs --key")
+      ->capture_default_str()
+      ->needs(serve);
+  command->add_option("--key", options->key, "file with the shared key of both sides, 32 hexadecimal digits");
+  command->add_option("--rate", options->rate_Hz, "rate of the device's ticks, Hz, the same on both sides")
       ->check(CLI::Range(500.0, 10000.0))
       ->capture_default_str();
-  command->add_option("--duration", options->duration, "s; 0: --serve without end, --connect 10 s")
+  command->add_option("--duration", options->duration, "duration, s; 0: --serve runs without end, --connect 10 s")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
-  command->add_option("--renderer", options->renderer, "as of push")->capture_default_str()->needs(connect);
-  command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0")->needs(connect);
-  command->add_option("--record", options->record, "recording, for enamel replay and enamel export")->needs(connect);
-  command->add_option("--max-force", options->force, "that the guard lets the renderer put on the tool, N")
+  command->add_option("--renderer", options->renderer, "renderer, as in enamel push")
+      ->capture_default_str()
+      ->needs(connect);
+  command->add_option("--scene", options->scene, "scene file (TOML); default: the wall z = 0")->needs(connect);
+  command->add_option("--record", options->record, "file for the recording, for enamel replay and enamel export")
+      ->needs(connect);
+  command
+      ->add_option("--max-force", options->force, "largest force of the renderer on the tool, limited by the guard, N")
       ->default_str("no limit")
       ->needs(connect);
   addOverwrite(*command, options->overwrite, {"--record"});

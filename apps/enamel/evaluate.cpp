@@ -15,16 +15,16 @@ void addEvaluate(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
       "evaluate",
-      "Kinematics and dynamics of a TAU at given poses.\n"
+      "Computes kinematics and dynamics of a TAU at given poses.\n"
       "Input: JSON list of rows, or an object with the list \"rows\". A row has position [m] and euler_xyz [rad]\n"
-      "(R = Rz(gamma) Ry(beta) Rx(alpha), world axes) or q [rad]; where both are given the pose counts. Optional,\n"
-      "together: qdot [rad/s], torque [N m], tcp_wrench [N, N m; at the TCP, world axes].\n"
+      "(R = Rz(gamma) Ry(beta) Rx(alpha), world axes) or q [rad]; if both are given, the pose is used. Optional,\nbut "
+      "only together: qdot [rad/s], torque [N m], tcp_wrench [N, N m; at the TCP, world axes].\n"
       "Output rows: q, elbow, position, euler_xyz, jacobian (V = J q', V = [v; w]), mass_matrix [kg m^2],\n"
-      "gravity_torque [N m], and qddot [rad/s^2] where the optional keys are given. A row that cannot be evaluated\n"
-      "holds only \"status\" with the reason.");
+      "gravity_torque [N m], and qddot [rad/s^2] if the optional keys are given. A row that cannot be evaluated\nhas "
+      "only \"status\" with the reason.");
   command->add_option("--device", options->device, "device file (TOML) of kind tau")->required();
   command->add_option("--input", options->input, "rows to evaluate (JSON)")->required();
-  command->add_option("--output", options->output, "where the results go (JSON)")->required();
+  command->add_option("--output", options->output, "file for the results (JSON)")->required();
   addOverwrite(*command, options->overwrite, {"--output"});
   command->callback([options] { evaluateRows(options->device, options->input, options->output); });
 }

@@ -34,7 +34,7 @@ TauConfiguration configurationOf(const TauModel& model, const Json& row) {
   std::string what;
   if (row.contains("position") || row.contains("euler_xyz")) {
     if (!row.contains("position") || !row.contains("euler_xyz"))
-      throw Error("position and euler_xyz must stand together");
+      throw Error("position and euler_xyz must be given together");
     Pose pose;
     pose.position = vectorAt<3>(row, "position");
     pose.rotation = rotationFromEuler(vectorAt<3>(row, "euler_xyz"));
@@ -44,7 +44,7 @@ TauConfiguration configurationOf(const TauModel& model, const Json& row) {
     status = forwardKinematicsFromHome(model, vectorAt<6>(row, "q"), configuration).status;
     what = "q on the branch of home is ";
   } else {
-    throw Error("needs position and euler_xyz, or q");
+    throw Error("position and euler_xyz, or q, are missing");
   }
   if (status != Status::ok) throw Error(what + toString(status));
   return configuration;

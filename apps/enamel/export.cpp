@@ -39,7 +39,7 @@ void run(const ExportOptions& options) {
   RecordingReader recording(options.file);
   const auto device = recordedDevice(recording.header());
   if (device->joints() != recording.header().joints)
-    throw Error(fmt::format("{}: the device has {} joints, its ticks {}", options.file, device->joints(),
+    throw Error(fmt::format("{}: the device has {} joints, its ticks have {}", options.file, device->joints(),
                             recording.header().joints));
   std::error_code none;
   if (std::filesystem::equivalent(options.file, options.csv, none))
@@ -83,18 +83,17 @@ void run(const ExportOptions& options) {
   }
   file.close();
   fmt::print(stderr, "{}: {} ticks, {} lost{}\n", options.file, ticks, lost,
-             closed ? "" : "; not closed: it ends with its last whole chunk");
+             closed ? "" : "; not closed: the recording ends with its last whole chunk");
 }
 
 }  // namespace
 
 void addExport(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command = app.add_subcommand(
-      "export",
-      "The ticks of a recording (push --record) as CSV: one line a tick, the first line names columns and units. The "
-      "pose\n"
-      "is what forward kinematics makes of the measured joints; empty: the device did not tell, or has no such pose.");
+  CLI::App* command = app.add_subcommand("export",
+                                         "Writes the ticks of a recording (push --record) as CSV: one line a tick; the "
+                                         "first line names columns and units.\nThe pose is the forward kinematics of "
+                                         "the measured joints. It is empty if the kinematics have no solution.");
   command->add_option("file", options->file, "recording")->required();
   command->add_option("--csv", options->csv, "file to write, or /dev/stdout")->required();
   addOverwrite(*command, options->overwrite);

@@ -39,8 +39,7 @@ void run(const FmuOptions& options) {
   const DeviceParameters parameters = loadDevice(options.device);
   std::string binary = "enamel_fmi_unit.so";
   if (options.renderer.empty()) {
-    if (!options.scene.empty() || !options.set.empty())
-      throw Error("--scene and --set are of a renderer: give --renderer");
+    if (!options.scene.empty() || !options.set.empty()) throw Error("--scene and --set need --renderer");
     if (options.substeps < 1 || options.substeps > 1000)
       throw Error(fmt::format("--substeps is {}, must be in 1 to 1000", options.substeps));
     unit.plant = options.plant;
@@ -51,7 +50,8 @@ void run(const FmuOptions& options) {
     if (options.plant == kMultibody) binary = "enamel_fmi_unit_multibody.so";
   } else {
     if (findRenderer(options.renderer, pluginFolder()).plugin)
-      throw Error("--renderer " + options.renderer + " is a plugin: a unit holds those of enamel itself");
+      throw Error("--renderer " + options.renderer +
+                  " is a plugin, must be position-control, hold, impedance or passivity");
     unit.renderer = options.renderer;
     unit.plant = options.plant;
     unit.parameters = parseParameters(options.set);
@@ -70,31 +70,33 @@ void run(const FmuOptions& options) {
 
 void addFmu(CLI::App& app) {
   auto options = std::make_shared<FmuOptions>();
-  CLI::App* command = app.add_subcommand(
-      "fmu",
-      "Writes a unit of FMI 3.0 for co-simulation: a device in motion, or with --renderer a haptic tick (contacts, "
-      "renderer, guard).\nWhat its variables are: plugins/fmi/README.md.");
+  CLI::App* command =
+      app.add_subcommand("fmu",
+                         "Writes a unit of FMI 3.0 for co-simulation: a device in motion, or with --renderer a haptic "
+                         "tick (contacts, renderer, guard).\nIts variables: plugins/fmi/README.md.");
   command->add_option("--device", options->device, "device file (TOML)")->required();
-  command->add_option("--output", options->output, "the unit, *.fmu")->required();
+  command->add_option("--output", options->output, "file for the unit, *.fmu")->required();
   takeOldNames(command
                    ->add_option("--plant", options->plant,
-                                std::string(kPlantHelp) + "; with --renderer, the plant that it is for")
+                                std::string(kPlantHelp) + "; with --renderer, the plant for which the renderer is made")
                    ->check(CLI::IsMember(plantNames()))
                    ->capture_default_str(),
                "plant");
   command->add_option("--renderer", options->renderer,
-                      "position-control, hold, impedance or passivity; without it, a plant");
-  command->add_option("--scene", options->scene, "scene file of the renderer; without it the wall z = 0 and a point");
-  command->add_option("--set", options->set, "parameter of the renderer, KEY=VALUE, by the names of the plugins")
+                      "position-control, hold, impedance or passivity; without it, the unit is a plant");
+  command->add_option("--scene", options->scene,
+                      "scene file (TOML) of the renderer; default: the wall z = 0 and a point");
+  command->add_option("--set", options->set, "parameter of the renderer, KEY=VALUE, with the names of its plugin")
       ->allow_extra_args(false);
-  command->add_option("--period", options->period, "of the ticks, s")->capture_default_str();
-  command->add_option("--substeps", options->substeps, "of a plant: integration steps a step")->capture_default_str();
-  command->add_option("--seed", options->seed, "of an imperfect plant: which of those within the tolerances")
+  command->add_option("--period", options->period, "period of the ticks, s")->capture_default_str();
+  command->add_option("--substeps", options->substeps, "integration steps of a plant in each step of the unit")
       ->capture_default_str();
-  command->add_option("--max-force", options->force, "of a renderer: that its guard lets it put on the tool, N")
+  command->add_option("--seed", options->seed, "seed that selects an imperfect plant within the tolerances")
+      ->capture_default_str();
+  command->add_option("--max-force", options->force, "largest force of a renderer on the tool, limited by its guard, N")
       ->default_str("no limit");
   const std::map<std::string, bool> onOff = {{"on", true}, {"off", false}};
-  command->add_option("--guard", options->guard, "of a renderer: off: every torque passes")
+  command->add_option("--guard", options->guard, "guard of a renderer; off: every torque passes")
       ->transform(CLI::CheckedTransformer(onOff))
       ->default_str("on");
   addOverwrite(*command, options->overwrite, {"--output"});

@@ -16,7 +16,7 @@ nlohmann::ordered_json parseJson(const std::string& path) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
     throw ConfigurationError(path, 1 + static_cast<int>(std::count(text.begin(), end, '\n')), "", "is not valid JSON");
   } catch (const nlohmann::json::exception&) {
-    throw ConfigurationError(path, 0, "", "has a number beyond double precision");
+    throw ConfigurationError(path, 0, "", "has a number outside the range of double precision");
   }
 }
 

@@ -7,8 +7,8 @@
 int main(int argc, char** argv) {
   return enamel::app::runProgram("enamel", [&] {
     CLI::App app{
-        "Enamel: stiff contact on haptic devices.\n"
-        "Units are SI unless a name says otherwise; frames: W has x right, y up, z from the wall to the user."};
+        "Enamel: stiff contact on haptic devices.\nUnits are SI unless a name says otherwise. Frame W: x right, y up, "
+        "z from the wall to the user."};
     app.require_subcommand(1);
     enamel::app::addEvaluate(app);
     enamel::app::addDesign(app);

@@ -39,7 +39,7 @@ void print(const MeshReport& r) {
   const auto line = printLine;
   const auto count = [&line](const char* name, int value) { line(name, std::to_string(value)); };
   count("triangles", r.triangles);
-  line("vertices", fmt::format("{} at {} places", r.vertices, r.places));
+  line("vertices", fmt::format("{} at {} positions", r.vertices, r.places));
   count("components", r.components);
   count("degenerate triangles", r.degenerateTriangles);
   count("duplicate triangles", r.duplicateTriangles);
@@ -49,7 +49,7 @@ void print(const MeshReport& r) {
   count("flipped edges", r.flippedEdges);
   line("watertight", r.watertight ? "yes" : "no");
   if (r.watertight) {
-    line("orientation", r.inwards ? "inwards: turn the triangles round" : "outwards");
+    line("orientation", r.inwards ? "inwards: reverse the triangles" : "outwards");
     line("volume", fmt::format("{:.6g} m^3", r.volume));
   }
   line("area", fmt::format("{:.6g} m^2", r.area));
@@ -61,7 +61,7 @@ void print(const MeshReport& r) {
 void checkOutput(const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension().string();
   if (!ending.empty() && ending != ".ply" && ending != ".stl")
-    throw Error(path + ": meshes are written as .ply or .stl");
+    throw Error(path + ": the extension must be .ply or .stl");
 }
 
 template <typename Value>
@@ -109,10 +109,11 @@ void print(const PrepareReport& r, const TriangleMesh& result, const std::string
     return fmt::format("{:.3g} um at most, rms {:.3g} um, at {} points", 1e6 * d.most, 1e6 * d.rms, d.points);
   };
   fmt::print("\nprepared: {}\n", path);
-  count("joined vertices", r.joinedVertices, "at the place of another");
-  count("dropped triangles", r.uselessTriangles, "with a repeated corner or twice there");
-  count("left out triangles", r.misfitTriangles, "where more than two meet at an edge or sheets in a corner");
-  count("turned triangles", r.turnedTriangles, "inside out");
+  count("joined vertices", r.joinedVertices, "at the position of another");
+  count("dropped triangles", r.uselessTriangles, "with a repeated corner, or duplicates");
+  count("removed triangles", r.misfitTriangles,
+        "where more than two triangles share an edge, or surfaces touch in a vertex");
+  count("reversed triangles", r.turnedTriangles, "inside out");
   count("closed holes", r.closedHoles, "");
   count("open holes", r.openHoles, "could not be closed");
   printLine("triangles", fmt::format("{} of {}", result.triangles.size(), r.beforeDecimation));
@@ -151,10 +152,11 @@ void printErrors(const MeshModel& model, const Solid& solid) {
   }
   std::sort(errors.begin(), errors.end());
   const auto quantile = [&errors](double part) { return 1e6 * errors[static_cast<std::size_t>(part * (kPoints - 1))]; };
-  printLine("distances", fmt::format("off by {:.3g} um (half of {} points within 5 cells), {:.3g} (99 %), {:.3g} "
-                                     "(99.9 %), {:.3g} at most",
-                                     quantile(0.5), kPoints, quantile(0.99), quantile(0.999), errors.back() * 1e6));
-  printLine("wrong side", fmt::format("{} points farther than half a cell", wrong));
+  printLine("distances",
+            fmt::format(
+                "error {:.3g} um (median of {} points within 5 cells), {:.3g} (99 %), {:.3g} (99.9 %), {:.3g} at most",
+                quantile(0.5), kPoints, quantile(0.99), quantile(0.999), errors.back() * 1e6));
+  printLine("wrong side", fmt::format("{} points more than half a cell from the surface", wrong));
 }
 
 void makeSolid(const MeshModel& model, const MeshOptions& options) {
@@ -186,7 +188,7 @@ void run(const MeshOptions& options) {
   checkOutput(options.output);
   checkOutput(options.prepare);
   if (options.generate.empty()) {
-    if (options.file.empty()) throw Error("needs a mesh file, or --generate with --output");
+    if (options.file.empty()) throw Error("give a mesh file, or --generate with --output");
     const TriangleMesh mesh = loadMesh(options.file, options.unit);
     print(inspect(mesh));
     const MeshModel model(mesh);
@@ -208,32 +210,36 @@ void run(const MeshOptions& options) {
 
 void addMesh(CLI::App& app) {
   auto options = std::make_shared<MeshOptions>();
-  CLI::App* command = app.add_subcommand("mesh", "What is wrong with a mesh file (ply, obj, stl, off), and its size");
+  CLI::App* command =
+      app.add_subcommand("mesh", "Checks a mesh file (ply, obj, stl, off) and prints its defects and size");
   command->add_option("file", options->file, "mesh file");
-  command->add_option("--unit", options->unit, "of the file's coordinates: m, mm or um")
+  command->add_option("--unit", options->unit, "unit of the file's coordinates: m, mm or um")
       ->transform(CLI::CheckedTransformer(std::map<std::string, double>{{"m", 1.0}, {"mm", 1e-3}, {"um", 1e-6}}))
       ->default_str("mm");
-  auto* generate = command->add_option("--generate", options->generate, "makes a mesh instead (PLY or STL in mm)")
+  auto* generate = command->add_option("--generate", options->generate, "generate a mesh instead (PLY or STL in mm)")
                        ->check(CLI::IsMember({"molar", "jaw"}));
-  auto* output = command->add_option("--output", options->output, "where the made mesh or the solid's surface goes");
-  auto* prepare = command
-                      ->add_option("--prepare", options->prepare,
-                                   "makes the file's mesh manifold, closes its holes, leaves out triangles, and "
-                                   "writes it here (PLY or STL in mm)")
-                      ->excludes(generate)
-                      ->excludes(output);
-  command->add_option("--deviation", options->deviation, "that leaving out triangles may cause, um; 0: all stay")
+  auto* output = command->add_option("--output", options->output, "file for the generated mesh or the solid's surface");
+  auto* prepare =
+      command
+          ->add_option("--prepare", options->prepare,
+                       "file for the prepared mesh (PLY or STL in mm): manifold, with holes closed and fewer triangles")
+          ->excludes(generate)
+          ->excludes(output);
+  command
+      ->add_option("--deviation", options->deviation, "largest deviation caused by removing triangles, um; 0: keep all")
       ->check(CLI::Range(0.0, 1e6))
       ->needs(prepare)
       ->capture_default_str();
-  command->add_option("--base", options->base, "closes the longest opening so far below it, mm; 0: like every hole")
+  command
+      ->add_option("--base", options->base,
+                   "close the longest opening with a base so far below it, mm; 0: like every hole")
       ->check(CLI::Range(0.0, 1e3))
       ->needs(prepare)
       ->capture_default_str();
   auto* solid = command
                     ->add_flag("--solid", options->solid,
-                               "makes a solid that can be cut of the file's closed mesh and says how true it is; its "
-                               "surface goes to --output (PLY or STL in mm)")
+                               "make a solid that can be cut from the file's closed mesh and print its error; --output "
+                               "writes its surface (PLY or STL in mm)")
                     ->excludes(generate)
                     ->excludes(prepare);
   command->add_option("--cell", options->cell, "edge of the solid's cells, mm")

@@ -326,7 +326,7 @@ TriangleMesh prepareMesh(const TriangleMesh& mesh, const PrepareOptions& options
   report = PrepareReport();
   Mesh manifold = buildManifold(joinVertices(mesh, report), report);
   close(manifold, options.base, report);
-  if (manifold.n_faces() == 0) throw Error("no triangle of the mesh can be used");
+  if (manifold.n_faces() == 0) throw Error("the mesh has no triangle that can be used");
   TriangleMesh closed = fromOpenMesh(manifold);
   if (inspect(closed).inwards) {
     for (auto& t : closed.triangles) std::swap(t[1], t[2]);

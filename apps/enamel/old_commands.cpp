@@ -65,7 +65,7 @@ std::vector<std::string> presentCommand(std::vector<std::string> arguments, std:
     }
   }
   if (arguments == given) return arguments;
-  warning = "an old name, which ends with version 0.4; write: enamel";
+  warning = "an old name, which version 0.4 removes; write: enamel";
   for (const std::string& text : arguments) warning += " " + text;
   return arguments;
 }

@@ -7,12 +7,12 @@ namespace enamel::app {
 
 /// Help text of --plant.
 inline constexpr const char* kPlantHelp =
-    "closed-form: the mechanism's own dynamics; multibody: the same device in Simbody, some 200 times slower; real: "
-    "with the [imperfections] of its file, for every run another "
-    "device within its tolerances; imperfect-stiff: the same, but its cables do not give; FILE.fmu: a unit of FMI 3.0";
+    "plant in simulation. closed-form: the device's ideal dynamics; multibody: the same device in Simbody, some 200 "
+    "times slower; imperfect: with the [imperfections] of the device file, another device within its tolerances in "
+    "every run; imperfect-stiff: the same with rigid cables; FILE.fmu: a unit of FMI 3.0";
 
 inline constexpr const char* kTipHelp =
-    "where the tool touches and the hand holds it, from the TCP, X,Y,Z in mm (0,0,0); the wall is level with it";
+    "point where the tool touches and the hand holds it, from the TCP, X,Y,Z in mm (0,0,0); the wall is at its height";
 
 /// Return a function that makes the named plant, if this program was built with it. Throws Error: as plantMaker().
 MakePlant makerOf(const std::string& plant, const DeviceParameters& device, VirtualDeviceSetup& setup);

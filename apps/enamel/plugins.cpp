@@ -69,7 +69,7 @@ bool keepsContract(const CheckOptions& options) {
 }
 
 void check(const CheckOptions& options) {
-  const ChildResult result = runInChild(options.file + ": the check after the last line above", options.limit,
+  const ChildResult result = runInChild(options.file + ": the check that follows the last line above", options.limit,
                                         [&options] { return keepsContract(options) ? "kept" : "broken"; });
   if (!result.failure.empty()) throw Error(result.failure);
   if (result.answer != "kept") throw Error(options.file + ": the plugin does not keep the contract");
@@ -78,8 +78,9 @@ void check(const CheckOptions& options) {
 
 void addLimit(CLI::App& command, double& limit) {
   command
-      .add_option("--time-limit", limit,
-                  "a plugin is ended after so many seconds of computing, and after three times as many in all")
+      .add_option(
+          "--time-limit", limit,
+          "limit of computing time, s; a plugin is stopped when it exceeds this, or after three times as long in total")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
 }
@@ -90,17 +91,16 @@ void addPlugins(CLI::App& app) {
   auto listing = std::make_shared<ListOptions>();
   CLI::App* plugins =
       app.add_subcommand("plugins",
-                         "Lists the renderer plugins of a folder, and why others were refused.\n"
-                         "Each is loaded in a process of its own: one that throws, crashes or hangs is refused.");
-  plugins->add_option("folder", listing->folder, "default: the plugins that came with this program");
+                         "Lists the renderer plugins of a folder, and the reasons why others were refused.\nEach "
+                         "plugin is loaded in its own process. A plugin that throws, crashes or hangs is refused.");
+  plugins->add_option("folder", listing->folder, "folder of plugins; default: the plugins of this program");
   addLimit(*plugins, listing->limit);
   plugins->callback([listing] { list(*listing); });
 
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* command = app.add_subcommand(
-      "check-plugin",
-      "Runs a plugin through its whole life and checks the contract: order of calls, reset, state, bad input,\n"
-      "allocation, limits. Exits with 0 if it keeps the contract.");
+  CLI::App* command = app.add_subcommand("check-plugin",
+                                         "Runs a plugin and checks that it keeps the contract: order of calls, reset, "
+                                         "state, bad input, allocation, limits.\nThe exit status is 0 if it does.");
   command->add_option("file", options->file, "plugin (.so)")->required();
   command->add_option("--device", options->device, "device file (TOML); default: the nominal TAU");
   command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);

@@ -83,7 +83,7 @@ std::vector<RendererSource> sourcesOf(const PushOptions& options) {
     sources.push_back(source);
   }
   if (!options.set.empty() && !has([](const RendererSource& s) { return s.plugin != nullptr; }))
-    throw Error("--set is for plugins, and --renderer names none");
+    throw Error("--set is for plugins only, but --renderer does not name a plugin");
   std::vector<std::string> linked;
   for (const RendererSource& source : sources)
     if (!source.plugin) linked.push_back(source.name);
@@ -198,7 +198,7 @@ void completeTask(PushTask& task) {
   if (options.record.empty()) return;
   const auto place = [](const std::string& file) { return std::filesystem::absolute(file).lexically_normal(); };
   if (!options.output.empty() && place(options.output) == place(options.record))
-    throw Error("--record and --output are one file: " + options.record);
+    throw Error("--record and --output must be different files, both are " + options.record);
   task.header = headerOf(options, task.setup);
 }
 
@@ -257,7 +257,7 @@ void pushWith(const RendererSource& source, PushTask& task, PushResults& results
   if (result.status == Status::stopped)
     throw Error(fmt::format("stopped by the guard at {} s: {}", end, toString(result.guard)));
   if (metrics.verdict == FirstImpactVerdict::unstable)
-    throw Error("the loop is unstable: it saturates, or oscillates and does not stop");
+    throw Error("the loop is unstable: the motors saturate, or the tool oscillates and does not stop");
 }
 
 void print(const PushTask& task, const PushResults& results) {
@@ -315,25 +315,26 @@ void addRendererOptions(CLI::App& command, PushOptions& options) {
   command.add_option("--device", options.device, "device file (TOML)")->required();
   command
       .add_option("--renderer", options.renderers,
-                  "position-control (the contact-space servo), hold (the paper's servo), impedance, passivity "
-                  "(impedance with time-domain passivity "
-                  "control), the name of a plugin (see enamel plugins) or its path; several are separated by commas")
+                  "renderers, separated by commas: position-control (the contact-space servo), hold (the paper's "
+                  "servo), impedance, passivity (impedance with time-domain passivity control), or the name (see "
+                  "enamel plugins) or path of a plugin")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->capture_default_str();
   command.add_option("--set", options.set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);
-  command.add_option("--gain", options.gain,
-                     "file of enamel design: the servo of hold; without it, as designed at home");
+  command.add_option("--gain", options.gain, "file of enamel design with the servo of hold; default: designed at home");
   addSwitch(command, "--release", options.servo.release,
-            "of hold: on: it ends when the wall would pull; off: never, as in the paper");
+            "hold ends when the wall would pull; off: it never ends, as in the paper");
   addSwitch(command, "--anti-windup", options.servo.antiWindup,
-            "of hold: on: the integrators stop while a motor is saturated");
-  command.add_option("--stiffness", options.impedance.stiffness, "of the impedance wall, N/m")->capture_default_str();
-  command.add_option("--damping", options.impedance.damping, "of the impedance wall, N s/m")->capture_default_str();
+            "the integrators of hold stop while a motor is saturated");
+  command.add_option("--stiffness", options.impedance.stiffness, "stiffness of the impedance wall, N/m")
+      ->capture_default_str();
+  command.add_option("--damping", options.impedance.damping, "damping of the impedance wall, N s/m")
+      ->capture_default_str();
   command
       .add_option("--device-damping", options.deviceDamping,
-                  "of the TCP along z, N s/m, beside what the device file gives: on the plant of every renderer (the "
-                  "paper's spring has 4)")
+                  "damping of the TCP along z, N s/m, added to that of the device file on the plant of every renderer "
+                  "(4 for the paper's spring)")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   takeOldNames(command.add_option("--plant", options.plant, kPlantHelp)
@@ -343,47 +344,50 @@ void addRendererOptions(CLI::App& command, PushOptions& options) {
 }
 
 void addPersonOptions(CLI::App& command, PushOptions& options) {
-  command.add_option("--scenario", options.setup.hand.scenario, "1: step of force at 1 s; 2: a hand moves in")
+  command
+      .add_option("--scenario", options.setup.hand.scenario, "1: a step of force at 1 s; 2: a hand moves into the wall")
       ->capture_default_str();
-  auto* scene = command.add_option("--scene", options.scene, "scene file (TOML); without it the wall z = 0");
+  auto* scene = command.add_option("--scene", options.scene, "scene file (TOML); default: the wall z = 0");
   for (const auto& [name, value] : {std::pair{"--x", &options.x_mm}, {"--y", &options.y_mm}})
-    command.add_option(name, *value, "of the query point on the wall z = 0, mm")
+    command.add_option(name, *value, "coordinate of the query point on the wall z = 0, mm")
         ->capture_default_str()
         ->excludes(scene);
   command.add_option("--tip", options.tip_mm, kTipHelp)->delimiter(',')->expected(3)->excludes(scene);
-  command.add_option("--force", options.setup.hand.force, "F_c, N")->capture_default_str();
-  command
-      .add_option("--preload", options.setup.hand.preload,
-                  "pressed with this until the step of scenario 1, with the noise, N")
+  command.add_option("--force", options.setup.hand.force, "force of the push F_c, N")->capture_default_str();
+  command.add_option("--preload", options.setup.hand.preload, "force before the step of scenario 1, with noise, N")
       ->capture_default_str();
   command.add_flag("--inside-tick", options.insideTick,
-                   "the step comes at a random instant inside its tick, not at its beginning");
-  command.add_flag("--arm", options.arm, "scenario 1 pushes through the mass of an arm and a grip (kArm, hand.hpp)");
+                   "the step occurs at a random instant inside its tick, not at its beginning");
+  command.add_flag("--arm", options.arm,
+                   "push scenario 1 through the mass of an arm and a grip (kArm, lib/include/enamel/sim/hand.hpp)");
   command.add_option("--noise", options.setup.hand.noise, "standard deviation of the person's force, N")
       ->capture_default_str();
 }
 
 void addLoopOptions(CLI::App& command, PushOptions& options) {
-  addSwitch(command, "--guard", options.setup.guarded, "off: every torque passes, and loops are judged to their end");
-  command.add_option("--max-force", options.setup.force, "that the guard lets a renderer put on the tool, N")
+  addSwitch(command, "--guard", options.setup.guarded,
+            "guard; off: every torque passes, and loops are judged to their end");
+  command
+      .add_option("--max-force", options.setup.force,
+                  "largest force of a renderer on the tool, limited by the guard, N")
       ->default_str("no limit");
-  addSwitch(command, "--guide", options.guide, "on: a hand holds x, y and the orientation softly");
+  addSwitch(command, "--guide", options.guide, "a hand holds x, y and the orientation softly");
   command
       .add_option("--delay", options.delay,
-                  "of the command, ticks: none, constant:D or random:A..B; position-control is told")
+                  "delay of the command, ticks: none, constant:D or random:A..B; position-control knows it")
       ->capture_default_str();
   command.add_flag("--encoders", options.encoders, "round the joint angles to encoder counts");
   command
-      .add_option(
-          "--rates", options.rates,
-          "joint rates: exact, difference (of the measured angles over a tick) or low-pass (of the difference); "
-          "difference with --encoders, else exact")
+      .add_option("--rates", options.rates,
+                  "joint rates: exact, difference (of the measured angles over a tick) or low-pass (of the "
+                  "difference); default: difference with --encoders, else exact")
       ->check(CLI::IsMember({"exact", "difference", "low-pass"}))
       ->default_str("");
-  command.add_option("--low-pass", options.lowPass_Hz, "cutoff of --rates low-pass, Hz")->capture_default_str();
-  command.add_option("--duration", options.setup.duration, "s")->capture_default_str();
-  command.add_option("--seed", options.setup.seed, "of everything random")->capture_default_str();
-  command.add_option("--substeps", options.setup.substeps, "integration steps a tick")->capture_default_str();
+  command.add_option("--low-pass", options.lowPass_Hz, "cutoff frequency of --rates low-pass, Hz")
+      ->capture_default_str();
+  command.add_option("--duration", options.setup.duration, "duration, s")->capture_default_str();
+  command.add_option("--seed", options.setup.seed, "seed of all random numbers")->capture_default_str();
+  command.add_option("--substeps", options.setup.substeps, "integration steps of a tick")->capture_default_str();
 }
 
 }  // namespace
@@ -392,15 +396,14 @@ void addPush(CLI::App& app) {
   auto options = std::make_shared<PushOptions>();
   CLI::App* command = app.add_subcommand(
       "push",
-      "One push of a tool against a wall, on the virtual device: z = 0, or the obstacle of a scene file that is "
-      "nearest to\n"
-      "its start. The person pushes against the surface's normal.\n"
-      "CSV: one line a tick, the state before the tick's torque acts; the first line names columns and units.");
+      "Simulates one push of a tool against a wall on the virtual device. The wall is z = 0, or the obstacle of a "
+      "scene file\nthat is nearest to its start. The person pushes against the surface's normal.\nCSV: one line a "
+      "tick, the state before the tick's torque acts; the first line names columns and units.");
   addRendererOptions(*command, *options);
   addPersonOptions(*command, *options);
   addLoopOptions(*command, *options);
-  command->add_option("--output", options->output, "CSV file");
-  command->add_option("--record", options->record, "recording, for enamel replay and enamel export");
+  command->add_option("--output", options->output, "file for every tick (CSV)");
+  command->add_option("--record", options->record, "file for the recording, for enamel replay and enamel export");
   command->add_flag("--json", options->json, "print the metrics as JSON");
   addOverwrite(*command, options->overwrite);
   command->callback([options] { run(*options); });

@@ -54,7 +54,7 @@ std::string tableOf(const std::vector<PushOutcome>& outcomes, int scenario) {
       "faults [ticks]", [](const PushOutcome& o) { return std::to_string(o.metrics.faults); },
       [](const PushOutcome&) { return "-"; });
   if (scenario == 1 && std::any_of(outcomes.begin(), outcomes.end(), [](const PushOutcome& o) { return o.ofPaper; }))
-    text += "* extremes over the paper's 121 query points on its own device: compare magnitudes\n";
+    text += "* extremes over the paper's 121 query points on its own device: compare only magnitudes\n";
   return text;
 }
 

@@ -39,7 +39,7 @@ void checkGain(const std::string& gain, const std::vector<std::string>& linked, 
   if (gain.empty()) return;
   (void)loadServo(gain);
   if (std::find(linked.begin(), linked.end(), kHold) == linked.end())
-    throw Error(fmt::format("{}: is an LQR design, for hold, which {} does not name", gain, option));
+    throw Error(fmt::format("{}: is an LQR design for hold, but {} does not name hold", gain, option));
 }
 
 double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal) {
@@ -66,7 +66,7 @@ std::string dampingWarning(const ImpedanceOptions& wall, double period, double a
   if (available > required * (1.0 + 1e-9)) return "";  // equality is not enough, and `available` is rounded
   return fmt::format(
       "a stiffness of {:.6g} N/m and a damping of {:.6g} N s/m need more than {:.6g} N s/m of device damping at {:.6g} "
-      "s (eq. 16), there are {:.6g}: see --device-damping",
+      "s (eq. 16), the device has {:.6g}: see --device-damping",
       wall.stiffness, wall.damping, required, period, available);
 }
 

@@ -79,12 +79,12 @@ ReplayResult play(Replayed& run, std::uint64_t from, const std::string& title, b
 
 void run(const ReplayOptions& options) {
   const bool hasPage = !options.html.empty(), isOther = !options.renderer.empty() || !options.set.empty();
-  if (!options.beside.empty() && !hasPage) throw Error("--beside is for --html");
-  if (!options.beside.empty() && isOther) throw Error("--beside is another recording: no --renderer, no --set");
+  if (!options.beside.empty() && !hasPage) throw Error("--beside needs --html");
+  if (!options.beside.empty() && isOther) throw Error("--beside cannot be combined with --renderer or --set");
   if (hasPage) checkReplayPage();
   for (const std::string& recording : {options.file, options.beside})
     if (std::error_code none; hasPage && std::filesystem::equivalent(options.html, recording, none))
-      throw Error("--html would write over the recording: " + options.html);
+      throw Error("--html must be another file than the recording " + options.html);
   requireFree(options.html, options.overwrite);
   std::vector<nlohmann::json> sides;
   PageNumbers numbers;
@@ -106,11 +106,11 @@ void run(const ReplayOptions& options) {
 
   fmt::print("{}: {} on {}, {} s a tick; {} ticks compared, {}\n", options.file, header.renderer, run.device->name(),
              header.guard.period, result.ticks,
-             result.states ? "with the renderer's states" : "without the renderer's states (of another size)");
-  if (result.lost > 0) fmt::print("{} ticks were lost when it was recorded\n", result.lost);
-  if (result.restored > 0) fmt::print("{} times it goes on from a recorded state\n", result.restored);
+             result.states ? "with the renderer's states" : "without the renderer's states (their size differs)");
+  if (result.lost > 0) fmt::print("{} ticks were lost during the recording\n", result.lost);
+  if (result.restored > 0) fmt::print("{} times the replay continues from a recorded state\n", result.restored);
   if (result.damaged > 0) fmt::print("{} chunks cannot be read: {}\n", result.damaged, result.damage);
-  if (!result.closed) fmt::print("it was not closed: it ends with its last whole chunk\n");
+  if (!result.closed) fmt::print("the recording was not closed: it ends with its last whole chunk\n");
   if (result.ticks == 0) throw Error(options.file + ": no tick could be compared");
   if (hasPage) {
     writeReplayPage(options.html, sides, numbers);
@@ -132,22 +132,21 @@ void addReplay(CLI::App& app) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command =
       app.add_subcommand("replay",
-                         "Runs a renderer on the measurements of a recording (push --record) and "
-                         "compares bit for bit what it answers, what\n"
-                         "the guard made of it, and the renderer's state. Status 0: equal; 1: different or damaged.");
+                         "Runs a renderer on the measurements of a recording (push --record). Compares the renderer's "
+                         "answers, the guard's\noutput and the renderer's state bit for bit. The exit status is 0 if "
+                         "all are equal, 1 if they differ or the\nrecording is damaged.");
   command->add_option("file", options->file, "recording")->required();
   command->add_option("--renderer", options->renderer,
-                      "as of enamel push, one of them; without it that of the recording");
+                      "one renderer, as in enamel push; default: that of the recording");
   command
       ->add_option("--set", options->set,
-                   "parameter of the renderer, KEY=VALUE, as of its plugin; the others as recorded")
+                   "parameter of the renderer, KEY=VALUE, with the names of its plugin; the others are as recorded")
       ->allow_extra_args(false);
-  command->add_option("--from", options->from, "chunk to begin with (128 ticks each, counted from 0)")
-      ->capture_default_str();
+  command->add_option("--from", options->from, "first chunk (128 ticks each, counted from 0)")->capture_default_str();
   command->add_option("--html", options->html,
-                      "page that plays the recording in a browser, without any other file; with --renderer or --set "
-                      "beside what that renderer answers");
-  command->add_option("--beside", options->beside, "another recording, for the right half of the page");
+                      "file for a page that plays the recording in a browser without other files; with --renderer or "
+                      "--set it also shows the answers of that renderer");
+  command->add_option("--beside", options->beside, "another recording for the right half of the page");
   addOverwrite(*command, options->overwrite);
   command->callback([options] { run(*options); });
 }

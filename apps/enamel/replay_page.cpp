@@ -311,7 +311,7 @@ std::string compressed(const std::string& bytes) {
   z_stream stream{};
   constexpr int kGzip = 16 + MAX_WBITS, kMemory = 9;
   if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
-    throw Error("zlib cannot begin");
+    throw Error("zlib cannot start");
   std::string result(deflateBound(&stream, bytes.size()), '\0');
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib does not write to it
   stream.avail_in = static_cast<uInt>(bytes.size());
@@ -339,7 +339,7 @@ std::string base64(const std::string& bytes) {
 
 void put(std::string& page, const std::string& mark, const std::string& text) {
   const std::size_t at = page.find(mark);
-  if (at == std::string::npos) throw Error("the page has no " + mark);
+  if (at == std::string::npos) throw Error("the template of the page has no " + mark);
   page.replace(at, mark.size(), text);
 }
 

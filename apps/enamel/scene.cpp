@@ -59,10 +59,10 @@ void explain(const SceneFile& file, double seconds) {
   for (const auto& mesh : file.meshes) meshes += mesh != nullptr;
   const auto obstacles = static_cast<int>(file.scene.obstacles().size());
   fmt::print("\nread and built in {:.3g} s\n", seconds);
-  fmt::print("a tick asks {} of part and obstacle, {} of them with a mesh: {:.3g} KB of lists of near triangles\n",
+  fmt::print("a tick queries {} of part and obstacle, {} of them with a mesh: {:.3g} KB of lists of near triangles\n",
              count(file.tool.count * obstacles, "pair"), file.tool.count * meshes,
              1e-3 * kBytesOfCache * meshes * file.tool.count);
-  fmt::print("\nthe tool slides over it at 30 mm/s; contacts of a tick, us:\n");
+  fmt::print("\nthe tool slides over the obstacles at 30 mm/s; time for the contacts of a tick, us:\n");
   fmt::print("{:<24} {:>10} {:>10} {:>10} {:>9} {:>9}\n", "", "median", "p99", "p99.9", "at once", "touching %");
   if (obstacles > 1)
     for (const Obstacle& obstacle : file.scene.obstacles()) {
@@ -94,9 +94,10 @@ void run(const SceneOptions& options) {
 
 void addScene(CLI::App& app) {
   auto options = std::make_shared<SceneOptions>();
-  CLI::App* command = app.add_subcommand("scene", "Checks a scene file and says what it is made of");
+  CLI::App* command = app.add_subcommand("scene", "Checks a scene file and prints its contents");
   command->add_option("file", options->file, "scene file (TOML)")->required();
-  command->add_flag("--explain", options->explain, "what it makes a program build, and what a tick of it costs here");
+  command->add_flag("--explain", options->explain,
+                    "print what a program builds from the scene and the time of its ticks on this machine");
   command->callback([options] { run(*options); });
 }
 

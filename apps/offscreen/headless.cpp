@@ -13,10 +13,10 @@ class Headless final : public Surface {
   Headless(const glm::ivec2& size, float scale) : scale_(scale) {
     const auto getDisplay = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(  // NOLINT: required by EGL
         eglGetProcAddress("eglGetPlatformDisplayEXT"));
-    if (getDisplay == nullptr) throw Error("no OpenGL without a display: EGL has no platform displays");
+    if (getDisplay == nullptr) throw Error("no OpenGL without a display: EGL does not support platform displays");
     display_ = getDisplay(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr);
     if (display_ == EGL_NO_DISPLAY || eglInitialize(display_, nullptr, nullptr) != EGL_TRUE)
-      throw Error("no OpenGL without a display: EGL has no surfaceless platform");
+      throw Error("no OpenGL without a display: EGL does not support the surfaceless platform");
     const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
     const EGLint version[] = {
         EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 2, EGL_CONTEXT_OPENGL_PROFILE_MASK,
@@ -28,7 +28,7 @@ class Headless final : public Surface {
       context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, version);
     if (context_ == EGL_NO_CONTEXT || eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE) {
       eglTerminate(display_);
-      throw Error("no OpenGL without a display: EGL gives no OpenGL 3.2 core context");
+      throw Error("no OpenGL without a display: EGL does not provide an OpenGL 3.2 core context");
     }
     glewExperimental = GL_TRUE;
     glewInit();
@@ -68,7 +68,8 @@ class Headless final : public Surface {
     glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, size.x, size.y);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, buffers_[1]);
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-      throw Error("OpenGL gives no framebuffer of " + std::to_string(size.x) + " x " + std::to_string(size.y));
+      throw Error("OpenGL does not provide a framebuffer of " + std::to_string(size.x) + " x " +
+                  std::to_string(size.y));
   }
 
   void release() {

@@ -12,7 +12,7 @@ namespace enamel::app {
 namespace fs = std::filesystem;
 
 void addOverwrite(CLI::App& command, bool& overwrite, const std::vector<std::string>& files) {
-  command.add_flag("--overwrite", overwrite, "replace results that exist");
+  command.add_flag("--overwrite", overwrite, "replace existing results");
   if (files.empty()) return;
   command.parse_complete_callback([&command, &overwrite, files] {
     for (const std::string& name : files)

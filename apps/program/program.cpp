@@ -71,13 +71,13 @@ int runProgram(const std::string& name, const std::function<void()>& body) noexc
   } catch (const std::system_error& error) {
     if (!std::ferror(stdout)) fail(1, error.what());  // otherwise fmt::print() failed: reported below
   } catch (const std::bad_alloc&) {
-    fail(1, "there is not enough memory");
+    fail(1, "not enough memory");
   } catch (const std::exception& error) {
     fail(1, error.what());
   }
   errno = 0;
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
-  tell(name, std::string("cannot write the standard output") + (errno == 0 ? "" : ": ") +
+  tell(name, std::string("cannot write to the standard output") + (errno == 0 ? "" : ": ") +
                  (errno == 0 ? "" : std::strerror(errno)));
   return status == 0 ? 1 : status;
 }

@@ -62,7 +62,7 @@ std::unique_ptr<Renderer> recordedRenderer(const RecordingHeader& header,
   for (const auto& [key, value] : header.parameters)
     if (knows(key)) parameters.emplace(key, value);
   if (filesHaveChanged(header, scene))
-    fmt::print(stderr, "enamel: warning: a mesh or the servo's file has changed since the recording was made\n");
+    fmt::print(stderr, "enamel: warning: a mesh or the servo file has changed since the recording was made\n");
   if (!source.plugin) return makeLinked(source.name, parameters, device, header.guard.period);
   return makeRenderer(source.plugin,
                       {header.deviceFile, header.deviceText, header.sceneFile, header.sceneText, parameters});

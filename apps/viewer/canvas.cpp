@@ -28,7 +28,7 @@ Canvas::Canvas(Surface& surface, const std::string& font, const std::string& bol
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
   ImGui::GetIO().LogFilename = nullptr;
-  if (!ImGui_ImplOpenGL3_Init("#version 150")) throw Error("Dear ImGui cannot draw in this OpenGL context");
+  if (!ImGui_ImplOpenGL3_Init("#version 150")) throw Error("Dear ImGui cannot draw with this OpenGL context");
 }
 
 Canvas::~Canvas() {

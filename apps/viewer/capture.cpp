@@ -51,7 +51,7 @@ std::string pictureIn(const std::string& folder, int number) {
 std::string film(const std::string& folder, int pictures) {
   const std::string all =
       folder + ": " + std::to_string(pictures) + " pictures, " + std::to_string(kRate) + " a second";
-  if (pictures == 0) return folder + ": no picture";
+  if (pictures == 0) return folder + ": no pictures";
   const std::string input = folder + "/%05d.png", output = folder + ".mp4", rate = std::to_string(kRate);
   // Common encoders need even side lengths.
   const char* const words[] = {"ffmpeg",
@@ -99,7 +99,7 @@ class ClipMaker::Clip {
   Clip(const std::string& folder, double now) : folder_(freePath(folder, "clip", {"", ".mp4"})), begin_(now) {
     std::error_code error;
     if (!std::filesystem::create_directory(folder_, error))
-      throw Error(folder_ + ": cannot make the folder of a clip" + (error ? ": " + error.message() : ""));
+      throw Error(folder_ + ": cannot create the folder of the clip" + (error ? ": " + error.message() : ""));
   }
 
   double seconds(double now) const { return now - begin_; }
@@ -112,7 +112,8 @@ class ClipMaker::Clip {
     for (++pictures_; wants(now); ++pictures_) {
       std::error_code error;
       const std::string again = pictureIn(folder_, pictures_);
-      if (!std::filesystem::copy_file(first, again, error)) throw Error(again + ": cannot write: " + error.message());
+      if (!std::filesystem::copy_file(first, again, error))
+        throw Error(again + ": cannot write the picture: " + error.message());
     }
   }
   std::future<std::string> makeFilm() const { return std::async(std::launch::async, film, folder_, pictures_); }

@@ -29,7 +29,7 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
                                 tenths(deliveredOf(record).normal) + " N",
                                 format(torques.shares ? "%.0f %%" : "%.2f N m",
                                        record.torque.cwiseProduct(torques.factor).cwiseAbs().maxCoeff())};
-  const std::string limits[] = {"paper's bound 1 mm", format("motors allow %.0f N", input.device.limit.largestForce),
+  const std::string limits[] = {"paper's limit 1 mm", format("motors allow %.0f N", input.device.limit.largestForce),
                                 torques.shares ? "share of each joint's limit" : format("limit %g N m", torques.limit)};
   const char* names[] = {"Penetration", "Normal force", "Joint torques"};
   for (std::size_t i = 0; i < kCharts; ++i) {
@@ -52,7 +52,7 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
                torques.perChain > 0 ? format("chain %d", joint / torques.perChain + 1) : format("joint %d", joint + 1));
     x += 66 * s;
   }
-  if (dashed) brush.text(gFonts.small, x, y, kMuted, torques.perChain > 0 ? "second dashed" : "from 4 on dashed");
+  if (dashed) brush.text(gFonts.small, x, y, kMuted, torques.perChain > 0 ? "dashed: 2nd joint" : "dashed: joints 4+");
 }
 
 std::string verdictText(const TestPush& test) {
@@ -61,7 +61,7 @@ std::string verdictText(const TestPush& test) {
   if (test.verdict == FirstImpactVerdict::noStep) return reason + ": no wall";
   if (test.verdict == FirstImpactVerdict::slips) return reason + format(" by %.2g mm", 1e3 * test.amount);
   if (test.verdict != FirstImpactVerdict::unstable) return reason;
-  if (test.status == Status::stopped) return reason + ": the guard stopped it";
+  if (test.status == Status::stopped) return reason + ": stopped by the guard";
   return reason + format(": \u00b1%.1f N", test.amount);
 }
 
@@ -100,7 +100,7 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const OverlaySta
   brush.list->AddLine({x, a.y}, {right, a.y}, ink(kLine), s);
   brush.text(gFonts.bold, x, a.y + 8 * s, kInk, "Perceived stiffness");
   brush.text(gFonts.small, x + Brush::width(gFonts.bold, "Perceived stiffness") + 8 * s, a.y + 10 * s, kMuted,
-             "a push of 12 N over its depth");
+             "12 N / first depth");
   float y = a.y + 32 * s;
   for (std::size_t i = 0; i < rendererCount(input); ++i) {
     const TestPush& test = input.left.frame.tests[i];

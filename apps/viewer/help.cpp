@@ -30,7 +30,7 @@ void drawHelp(const Layout& layout, bool recording, const Brush& brush) {
   brush.list->AddRectFilled({0, 0}, {w, h}, ink(kInk, 0.25));
   brush.box(card, 1.0);
   text(gFonts.large, card.x + 20 * s, card.y + 12 * s, kInk,
-       recording ? "Look at a recording" : "Push the tool against the wall");
+       recording ? "Play a recording" : "Push the tool against the wall");
   for (std::size_t i = 0; i < all; ++i) {
     const bool second = i >= left;
     const float x = card.x + 20 * s + (second ? 0.53f * wide : 0.0f);

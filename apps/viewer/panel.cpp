@@ -19,8 +19,8 @@ void drawViews(const OverlayInput& input, OverlayState& state, float whole) {
       std::find_if(views, views + count, [&](const char* name) { return std::string(name) == input.cameraName; }) -
       views);
   if (const int asked = choice(state, views, count, on, whole,
-                               "Where one looks from (1 to 4); follow goes with the contact (5). Right drag turns the "
-                               "view, Ctrl+wheel comes nearer.");
+                               "Position of the camera (keys 1 to 4); follow keeps the contact in view (5). Right drag "
+                               "turns the view, Ctrl+wheel zooms.");
       asked >= 0)
     state.asked.actions.push_back(static_cast<Action>(static_cast<int>(Action::camera1) + asked));
 }
@@ -44,7 +44,7 @@ void drawPlayerControls(const OverlayInput& input, OverlayState& state, float s,
                 s, whole);
   actionButtons(state, {{"< tick", false, Action::stepBack}, {"tick >", false, Action::step}}, s, whole);
   actionButtons(state, {{"< event", false, Action::previousEvent}, {"event >", false, Action::nextEvent}}, s, whole);
-  remark("An event: a contact begins, or the guard acts.");
+  remark("Event: a contact begins, or the guard acts.");
 
   heading("View");
   drawViews(input, state, whole);
@@ -59,14 +59,14 @@ bool shows(const OverlayInput& input, RendererSlot slot) {
 }
 
 constexpr const char* kRendererTip[kMaxRenderers] = {
-    "A servo pushes the tool out of the wall as hard as it takes, with what the motors can give. It never pulls, so "
+    "A servo pushes the tool out of the wall as hard as necessary, up to the limits of the motors. It never pulls, so "
     "the tool slides.",
-    "What most programs do: the wall is a spring.\nforce = stiffness x depth + wall damping x speed inwards",
-    "The servo of the paper: it keeps the pose of the first touch, with all six joints. It cannot slide.\n"
+    "The conventional wall: a spring and a damper.\nforce = stiffness x depth + wall damping x speed inwards",
+    "The paper's servo: it holds the pose of the first touch with all joints. The tool cannot slide.\n"
     "torque = -K (state - state of first touch)",
-    "The spring, with a watch on its energy: it takes away what the spring would give back more than it took "
-    "(Hannaford and Ryu 2002).",
-    "A renderer that was loaded from a file (--renderer)."};
+    "The spring with passivity control: a damper removes the energy that the spring would return in excess of what it "
+    "received (Hannaford and Ryu 2002).",
+    "A renderer from a plugin (--renderer)."};
 
 void drawRendererChoice(const OverlayInput& input, OverlayState& state, float s, float whole) {
   const Frame& frame = input.left.frame;
@@ -103,27 +103,28 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
   const Frame& frame = input.left.frame;
   Settings& settings = state.settings;
   if (shows(input, RendererSlot::impedance) || shows(input, RendererSlot::passivity)) {
-    state.asked.settings |=
-        slider(state, settings.spring.stiffness,
-               {"stiffness", "%.0f", "N/m", 200, 20000,
-                "Of the wall's spring: newtons for each metre of depth.\nforce = stiffness x depth + damping x speed"});
+    state.asked.settings |= slider(state, settings.spring.stiffness,
+                                   {"stiffness", "%.0f", "N/m", 200, 20000,
+                                    "Stiffness of the wall's spring: force for each metre of depth.\nforce = stiffness "
+                                    "x depth + damping x speed"});
     if (input.right) return;
-    state.asked.settings |= slider(state, settings.spring.damping,
-                                   {"wall damping", "%.1f", "N s/m", 0, 20,
-                                    "Of the wall: newtons for each m/s inwards.\nforce = stiffness x depth + damping x "
-                                    "speed"});
+    state.asked.settings |=
+        slider(state, settings.spring.damping,
+               {"wall damping", "%.1f", "N s/m", 0, 20,
+                "Damping of the wall: force for each m/s of speed inwards.\nforce = stiffness x depth + damping x "
+                "speed"});
     const double required = requiredDamping(settings.spring, kPeriod);
     const bool late = settings.delay.high > 0, met = settings.toolDamping > required && !late;
     remark(
-        format(met ? "Safe: the tool's damping of %.1f is more than the %.1f N s/m that this wall needs."
-               : late
-                   ? "May vibrate: the tool's damping is %.1f, and the %.1f N s/m that this wall needs are not enough "
-                     "with a delay."
-                   : "May vibrate: the tool's damping of %.1f is not more than the %.1f N s/m that this wall needs.",
-               settings.toolDamping, required),
+        format(
+            met ? "Passive: the tool's damping, %.1f, is more than the %.1f N s/m that this wall requires."
+            : late
+                ? "May vibrate: the tool's damping is %.1f. With a delay, the %.1f N s/m of this wall do not suffice."
+                : "May vibrate: the tool's damping, %.1f, must be more than the %.1f N s/m that this wall requires.",
+            settings.toolDamping, required),
         met ? kMuted : kWrong);
     tip(state,
-        "A wall of a loop that runs every T = 1 ms gives back energy unless the device brakes as much "
+        "With a period of T = 1 ms the wall returns more energy than it receives, unless the device has this damping "
         "(Colgate and Brown 1994; the paper's equation 16).\ntool damping > stiffness x T / 2 + wall damping, without "
         "a delay");
     return;
@@ -135,23 +136,22 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
     const double given = deliveredOf(frame.record).normal, told = frame.record.normalForce;
     const bool silent = told == 0.0 && std::abs(given) > 0.5;
     if (frame.record.guard == GuardReason::none)
-      remark("Its own word of the normal force: " + (silent ? "not reported" : tenths(told) + " N") + ".");
+      remark("Normal force that it reports: " + (silent ? "not reported" : tenths(told) + " N") + ".");
   } else if (frame.selected == RendererSlot::hold) {
-    state.asked.settings |= ImGui::Checkbox("let go when pulled", &settings.hold.release);
-    tip(state, "Off, the tool sticks to the wall: the servo also pulls it back.");
-    state.asked.settings |= ImGui::Checkbox("spare the motors' limits", &settings.hold.antiWindup);
+    state.asked.settings |= ImGui::Checkbox("release when pulled", &settings.hold.release);
+    tip(state, "On: the servo releases a tool that is pulled off. Off: the tool sticks to the wall.");
+    state.asked.settings |= ImGui::Checkbox("anti-windup", &settings.hold.antiWindup);
     tip(state,
-        "While a motor is at its limit the servo's sum of past errors does not grow (anti-windup), or it would push on "
-        "long after.");
-    remark("Holds the pose of first touch: it cannot slide.");
+        "While a motor is at its limit, the servo's integrators stop. Otherwise the servo would push too long "
+        "afterwards.");
+    remark("It holds the pose of the first touch: the tool cannot slide.");
   } else {
-    remark("Pushes out of the wall, never pulls: the tool slides.");
-    remark(format("It has learnt that the tool has %.0f %% of the model's mass.", 100.0 * frame.control.mass));
-    tip(state,
-        format("From how the tool answers to what the motors do; standard deviation %.0f %%. So far %.0f samples "
-               "that no push explains were ignored.",
-               100.0 * frame.control.deviation, frame.control.ignored)
-            .c_str());
+    remark("It pushes out of the wall and never pulls: the tool slides.");
+    remark(format("Estimated mass of the tool: %.0f %% of the model's.", 100.0 * frame.control.mass));
+    tip(state, format("Estimated from the motion of the tool and the torque of the motors; standard deviation %.0f %%. "
+                      "Ignored samples, which no push explains: %.0f.",
+                      100.0 * frame.control.deviation, frame.control.ignored)
+                   .c_str());
   }
 }
 
@@ -162,17 +162,17 @@ void drawHandAndBur(const OverlayInput& input, OverlayState& state, float s, flo
   heading("Hand");
   constexpr const char* grips[] = {"40 N/m", "400 N/m"};
   if (choice(state, grips, 2, state.grip.stiffness == kFirmGrip.stiffness ? 1 : 0, whole,
-             "How firmly the hand holds the tool: 40 N/m as in the paper, or a firm grip (G).\n"
+             "Stiffness of the hand: 40 N/m as in the paper, or a firm grip of 400 N/m (G).\n"
              "force = grip x (hand - tool), at most 15 N") >= 0)
     ask(Action::grip);
   if (toggle(frame.testing ? "pushing ..." : "Test push 12 N  (P)", frame.testing, whole)) ask(Action::testPush);
   note(state, "test push");
   tip(state,
-      "Puts the tool on the wall, waits until it rests, and pushes with 12 N at once. The stiffness that one feels is "
-      "that force over how deep the tool goes before it first comes back.\nK = F / depth at the first return");
+      "Puts the tool on the wall, waits until it rests, and pushes with a step of 12 N. The perceived stiffness is "
+      "this force divided by the depth at which the tool first reverses.\nK = F / depth at the first return");
   state.asked.settings |= slider(state, state.settings.noise,
                                  {"tremor of the hand", "%.2f", "N", 0, 2,
-                                  "A random force of the hand into the wall and out of it, N (standard deviation)."});
+                                  "Random force of the hand along the normal of the wall, N (standard deviation)."});
   if (!input.bur) return;
   heading("Bur");
   ImGui::SameLine(whole - third);
@@ -180,13 +180,13 @@ void drawHandAndBur(const OverlayInput& input, OverlayState& state, float s, flo
   if (bool sound = state.sound; ImGui::Checkbox("sound  (M)", &sound)) ask(Action::sound);
   ImGui::PopStyleVar();
   if (toggle("spin  (F)", frame.drilled.spins, third)) state.asked.spin = !frame.drilled.spins;
-  tip(state, "The pedal. Removed volume follows Archard's law.\nvolume = wear x force x path / hardness");
+  tip(state, "Pedal of the bur. The removed volume follows Archard's law.\nvolume = wear x force x path / hardness");
   ImGui::SameLine(0, 6 * s);
   if (toggle("undo", false, third)) ask(Action::undo);
-  tip(state, "What the last stroke took comes back (Ctrl+Z).");
+  tip(state, "Undo the last stroke of the bur (Ctrl+Z).");
   ImGui::SameLine(0, 6 * s);
   if (toggle("cut open", input.scene.isCutOpen, third)) ask(Action::cutAway);
-  tip(state, "A section through the tooth along the tool (C).");
+  tip(state, "Show a section through the tooth along the tool (C).");
   if (state.sound && !state.soundTrouble.empty()) remark(state.soundTrouble, kWrong);
 }
 
@@ -195,16 +195,18 @@ void drawDevice(OverlayState& state, float whole) {
   heading("Device");
   state.asked.settings |=
       slider(state, settings.extraMass,
-             {"added mass", "%.0f", "g", 0, 300, "Screwed to the tool without telling the renderers.", 1e3});
-  state.asked.settings |= slider(state, settings.friction,
-                                 {"joint friction", "%.1f", "mN m s/rad", 0, 20,
-                                  "Viscous, in every joint, beyond that of the device file.\ntorque = -friction x "
-                                  "speed of the joint",
-                                  1e3});
-  state.asked.settings |= slider(state, settings.toolDamping,
-                                 {"tool damping", "%.1f", "N s/m", 0, 20,
-                                  "Brakes the tool wherever it is, beyond the device file's.\nforce = -damping x "
-                                  "speed"});
+             {"added mass", "%.0f", "g", 0, 300, "Mass added to the tool. The renderers do not know it.", 1e3});
+  state.asked.settings |=
+      slider(state, settings.friction,
+             {"joint friction", "%.1f", "mN m s/rad", 0, 20,
+              "Viscous friction in every joint, added to that of the device file.\ntorque = -friction x "
+              "speed of the joint",
+              1e3});
+  state.asked.settings |=
+      slider(state, settings.toolDamping,
+             {"tool damping", "%.1f", "N s/m", 0, 20,
+              "Viscous damping of the tool everywhere, added to that of the device file.\nforce = -damping x "
+              "speed"});
   label("delay, ms");
   constexpr Delay delays[] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 3}};
   constexpr const char* names[] = {"0", "1", "2", "3", "0-3"};
@@ -212,19 +214,19 @@ void drawDevice(OverlayState& state, float whole) {
   for (int i = 0; i < 5; ++i)
     if (settings.delay.low == delays[i].low && settings.delay.high == delays[i].high) now = i;
   const int delay = choice(state, names, 5, now, whole,
-                           "Between a measurement and the torque that answers it: so many periods of 1 ms, or a random "
-                           "number from 0 to 3 every time. Springs get unstable with it.");
+                           "Delay between a measurement and the torque that answers it: constant, or a random number "
+                           "from 0 to 3 in each tick. It makes springs unstable.");
   if (delay >= 0) settings.delay = delays[delay];
   state.asked.settings |= delay >= 0;
   state.asked.settings |= ImGui::Checkbox("angles in encoder counts", &settings.encoders.quantised);
-  tip(state, "Joint angles are known only in the encoders' steps, as in a real device; off: exactly.");
+  tip(state, "On: joint angles are rounded to the encoders' steps, as in a real device. Off: they are exact.");
   label("speeds of the joints");
   constexpr RateSource sources[] = {RateSource::exact, RateSource::difference, RateSource::lowPass};
   constexpr const char* rates[] = {"exact", "from steps", "filtered"};
   const int chosen = static_cast<int>(std::find(sources, sources + 2, settings.encoders.rates) - sources);
   const int rate = choice(state, rates, 3, chosen, whole,
-                          "How the loop knows them: exactly (no real device does), from two angles, or so and "
-                          "smoothed.\nfrom steps: (angle - angle before) / 1 ms");
+                          "Source of the joint speeds: exact (impossible on a real device), from two angles, or the "
+                          "same with a low-pass filter.\nfrom steps: (angle - previous angle) / 1 ms");
   if (rate >= 0) settings.encoders.rates = sources[rate];
   state.asked.settings |= rate >= 0;
 }
@@ -239,8 +241,8 @@ void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, f
   heading("Time and view");
   actionButtons(
       state,
-      {{frame.paused ? "go on" : "pause", frame.paused, Action::pause, "Time stands still, also the hand (Space)."},
-       {"1 ms", false, Action::step, "One period of the loop, then pause (Right)."},
+      {{frame.paused ? "continue" : "pause", frame.paused, Action::pause, "Stop time, also for the hand (Space)."},
+       {"1 ms", false, Action::step, "Run one period of the loop, then pause (Right)."},
        {frame.slowdown == 1 ? "slower" : format("1:%d", frame.slowdown), frame.slowdown != 1, Action::slower,
         "Slow motion down to 1:1000: - is slower, + is faster."}},
       s, whole);
@@ -252,7 +254,8 @@ void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, f
     ImGui::EndCombo();
   }
   tip(state,
-      "What the tool can touch. Drop a scan (PLY, OBJ, STL, OFF) or a scene file on the window to touch your own.");
+      "Scene of objects that the tool can touch. Drop a scan (PLY, OBJ, STL, OFF) or a scene file on the window to add "
+      "your own.");
   for (const std::string& note : state.sceneNotes) remark(note);
   ImGui::Dummy({0, 4 * s});
   remark("Drag moves the hand, the wheel presses it into the wall. F1 lists every key.");

@@ -63,7 +63,7 @@ Player::Player(const std::string& path)
   // Compare the states without the renderer's part, which is at the end and at least as large as the watcher's.
   if (header().rendererState < watcher_.stateSize() ||
       header().stateSize - header().rendererState != tick_.stateSize() - watcher_.stateSize())
-    throw Error(path + ": its states are not those of this scene's ticks");
+    throw Error(path + ": the size of its states does not match the scene");
   makeIndex();
 }
 
@@ -89,8 +89,8 @@ void Player::makeIndex() {
       continue;
     }
     if (chunk_.lost > kMostLost)
-      throw Error(path_ + ": chunk " + std::to_string(i) + " says that " + std::to_string(chunk_.lost) +
-                  " ticks are lost before it, at most " + std::to_string(kMostLost) + " can be");
+      throw Error(path_ + ": chunk " + std::to_string(i) + " reports " + std::to_string(chunk_.lost) +
+                  " lost ticks before it, must be at most " + std::to_string(kMostLost));
     lost += chunk_.lost;
     at += chunk_.lost;
     closed = chunk_.last;
@@ -109,12 +109,13 @@ void Player::makeIndex() {
     stretches_.push_back(stretch);
   }
   if (stretches_.empty()) throw Error(path_ + ": has no tick that can be read");
-  if (!closed) notes_.push_back("not closed, ends with its last whole chunk" + end);
-  if (lost > 0) notes_.push_back(counted(lost, "tick") + " lost when it was recorded");
+  if (!closed) notes_.push_back("not closed: it ends with its last whole chunk" + end);
+  if (lost > 0) notes_.push_back(counted(lost, "tick") + " lost during the recording");
   if (damaged > 0) notes_.push_back(counted(damaged, "chunk") + " cannot be read: " + damage);
   if (unfit > 0) notes_.push_back(counted(unfit, "tick") + " with values that are not finite");
   try {
-    if (app::filesHaveChanged(header(), scene_.scene)) notes_.push_back("a mesh or the servo's file has changed since");
+    if (app::filesHaveChanged(header(), scene_.scene))
+      notes_.push_back("a mesh or the servo file has changed since the recording");
   } catch (const Error& error) {
     notes_.push_back(error.what());  // about the servo, which is not needed for drawing
   }
@@ -173,7 +174,7 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
   const Stretch& s = stretches_[stretch];
   // It was readable before, but another program may have changed it since.
   if (!reader_.read(s.chunk, chunk_).empty() || chunk_.ticks.size() != s.end - s.begin)
-    throw Error(path_ + ": was changed while it was played");
+    throw Error(path_ + ": the file changed while it was played");
   Command command;
   tick_.loadState(chunk_.state.data());
   tick_.reset();  // the saved state follows the first tick, which is repeated for its contacts

@@ -84,7 +84,7 @@ std::vector<std::string> guardLines(const OverlayInput& input) {
                            static_cast<unsigned long long>(counts[reasons[i]]),
                            input.player != nullptr ? "times" : "ticks"));
   if (reasons.size() > most) lines.push_back(format("guard: %zu more reasons", reasons.size() - most));
-  if (lines.empty()) lines.push_back("guard: let everything through");
+  if (lines.empty()) lines.push_back("guard: no events");
   return lines;
 }
 
@@ -113,7 +113,7 @@ void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& br
   };
   if (t.available) {
     line(format("haptic loop 1 kHz, %s", t.realtime ? "real-time class" : "normal class"));
-    line(format("from tick to tick  median late %.0f \u00b5s, p99.9 %.0f", 1e6 * t.wakeMedian, 1e6 * t.wakeHigh));
+    line(format("from tick to tick  median delay %.0f \u00b5s, p99.9 %.0f", 1e6 * t.wakeMedian, 1e6 * t.wakeHigh));
     shares(t.interval);
     line(format("computing a tick  median %.1f \u00b5s, p99.9 %.1f", 1e6 * t.computeMedian, 1e6 * t.computeHigh));
     shares(t.compute);

@@ -121,7 +121,7 @@ void makeFolder(const std::string& path) {
   if (path.empty()) return;
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (!std::filesystem::is_directory(path)) throw Error(path + ": cannot make the folder for pictures");
+  if (!std::filesystem::is_directory(path)) throw Error(path + ": cannot create the folder for pictures");
 }
 
 }  // namespace
@@ -191,12 +191,12 @@ int runInWindow(const Options& options, double started) {
   if (viewer.runner() == nullptr) return 0;
   if (viewer.isTouring()) return 0;  // no person holds the tool
   if (viewer.isInContact())
-    throw Error("the window was closed while the tool was in contact: the wall was gone at once");
+    throw Error("the window was closed while the tool was in contact: the wall disappeared at once");
   return 0;
 }
 
 int runHeadless(const Options& options, double started) {
-  if (options.script.empty()) throw Error("--headless needs --script FILE: there is nobody to drive");
+  if (options.script.empty()) throw Error("--headless needs --script FILE, which moves the hand");
   Signals signals;
   ScriptPlayer script(options);
   makeFolder(options.record);

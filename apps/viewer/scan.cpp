@@ -36,7 +36,7 @@ SceneFile sceneOfScan(const std::string& path) {
   const std::string name = std::filesystem::path(path).filename().string();
   if (unit == std::end(units))
     throw Error(name + ": its longest side is " + std::to_string(longest) +
-                " units: in mm, m or um that is not 2 to 500 mm, as a scan of teeth is");
+                " units, must be 2 to 500 mm in one of the units mm, m and um");
   const Vec3* top = &mesh.vertices.front();
   for (Vec3& v : mesh.vertices) {
     v *= unit->metres;
@@ -52,7 +52,7 @@ SceneFile sceneOfScan(const std::string& path) {
   scene.tool.count = 2;
   auto model = std::make_shared<MeshModel>(std::move(mesh));
   char text[96];
-  std::snprintf(text, sizeof(text), ": %.1f x %.1f x %.1f mm, taken as %s. ", size.x(), size.y(), size.z(), unit->name);
+  std::snprintf(text, sizeof(text), ": %.1f x %.1f x %.1f mm, unit %s. ", size.x(), size.y(), size.z(), unit->name);
   scene.notes.push_back(name + text + describe(*model));
   Obstacle obstacle;
   obstacle.name = "scan";

@@ -134,7 +134,7 @@ void parsePicture(Line& line, ScriptStep& step) {
   step.name = line.word("picture");
   for (const char c : step.name)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_')
-      line.fail("picture", "is \"" + step.name + "\", must consist of letters, digits, - and _");
+      line.fail("picture", "is \"" + step.name + "\", must have only letters, digits, - and _");
 }
 
 struct CommandRow {
@@ -169,7 +169,7 @@ ScriptStep parseStep(Line& line) {
   const bool recording = line.renderers().empty();
   const auto check = [&](Source source) {
     if (source != Source::both && (source == Source::recording) != recording)
-      line.fail(command, recording ? "is not for a recording" : "is for a recording: there is no --play");
+      line.fail(command, recording ? "is not available for a recording" : "is for recordings only: give --play");
   };
   if (const ActionRow* row = actionOfName(command); row != nullptr) {
     check(row->source);
@@ -231,9 +231,9 @@ std::vector<ScriptStep> parseScript(std::string_view text, const std::string& fi
   for (std::string content; std::getline(stream, content);) {
     Line line(content, file, ++number, renderers);
     if (line.empty()) continue;
-    if (!steps.empty() && steps.back().kind == ScriptStep::Kind::end) line.fail("", "stands after the end");
+    if (!steps.empty() && steps.back().kind == ScriptStep::Kind::end) line.fail("", "comes after the end");
     ScriptStep step = parseStep(line);
-    if (!steps.empty() && step.time < steps.back().time) line.fail("time", "is earlier than that of the step before");
+    if (!steps.empty() && step.time < steps.back().time) line.fail("time", "is earlier than that of the previous step");
     steps.push_back(std::move(step));
   }
   if (steps.empty() || steps.back().kind != ScriptStep::Kind::end)

@@ -19,7 +19,7 @@ template <typename... Parts>
 
 void checkPeriod(const std::string& file, double period) {
   if (std::abs(period - kPeriod) > 1e-9 * kPeriod)
-    refuse(file, "period", "is ", period, " s, must be ", kPeriod, " s, the viewer's");
+    refuse(file, "period", "is ", period, " s, must be ", kPeriod, " s, the period of the viewer");
 }
 
 void checkJoints(const std::string& file, const char* key, Eigen::Index joints, const Mechanism& mechanism) {

@@ -40,7 +40,7 @@ const char* SoundOutput::play() noexcept {
     alcDestroyContext(context);
   };
   const std::unique_ptr<ALCcontext, decltype(end)> context(alcCreateContext(device.get(), nullptr), end);
-  if (!context || alcMakeContextCurrent(context.get()) == ALC_FALSE) return "the audio device plays nothing";
+  if (!context || alcMakeContextCurrent(context.get()) == ALC_FALSE) return "the audio device does not play";
   ALuint source = 0;
   std::array<ALuint, blocks> buffers{};
   alGenSources(1, &source);
@@ -54,7 +54,7 @@ const char* SoundOutput::play() noexcept {
     alSourceQueueBuffers(source, 1, &buffer);
   };
   for (const ALuint buffer : buffers) queue(buffer);
-  const char* trouble = alGetError() == AL_NO_ERROR ? nullptr : "the audio device plays nothing";
+  const char* trouble = alGetError() == AL_NO_ERROR ? nullptr : "the audio device does not play";
   const bool tells = alcIsExtensionPresent(device.get(), "ALC_EXT_disconnect") != ALC_FALSE;
   while (trouble == nullptr && !stop_.load(std::memory_order_relaxed)) {
     ALint played = 0, state = AL_PLAYING;
@@ -68,7 +68,7 @@ const char* SoundOutput::play() noexcept {
     if (state != AL_PLAYING) alSourcePlay(source);  // at the start, and after an underrun
     ALCint connected = ALC_TRUE;
     if (tells) alcGetIntegerv(device.get(), ALC_CONNECTED, 1, &connected);
-    if (connected == ALC_FALSE) trouble = "the audio device is gone";
+    if (connected == ALC_FALSE) trouble = "the audio device was disconnected";
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   alDeleteSources(1, &source);

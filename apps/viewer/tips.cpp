@@ -14,30 +14,29 @@ bool has(const Rect& area, const ImVec2& at) {
 }
 
 constexpr const char* kNumberTip[] = {
-    "How deep the tool's lowest point is in the wall, or how far from it, mm: along the nearest wall's normal.",
-    ("The force of the motors on the tool, N, as delivered in this tick and without what carries its weight: along the "
-     "wall's normal (negative: it pulls into the wall), along the wall, and in all."),
-    "The force of the hand into the wall, N.\nforce = grip x (hand - tool) - damping x speed",
-    "What one feels of the wall now, kN/m. Only while the tool is in it.\nforce of the hand / penetration"};
+    "Depth of the tool's lowest point in the nearest wall, or its distance, mm, along the wall's normal.",
+    ("Force of the motors on the tool, N, as delivered in this tick, without the part that carries its weight. Shown "
+     "along the wall's normal (negative: it pulls into the wall), along the wall, and in total."),
+    "Force of the hand into the wall, N.\nforce = grip x (hand - tool) - damping x speed",
+    "Stiffness that the hand feels now, kN/m. Only while the tool is in the wall.\nforce of the hand / penetration"};
 constexpr const char* kChartTip[] = {
     "Penetration of the last 3 s, mm: each column shows the smallest and the largest of 12 ticks.",
-    "Force of the motors along the wall's normal, N, as delivered. Dashed: what the motors can give there at most.",
-    "Torques of the joints as delivered, beside the motors' limits (dashed)."};
+    "Force of the motors along the wall's normal, N, as delivered. Dashed: the limit of the motors there.",
+    "Torques of the joints as delivered, with the motors' limits (dashed)."};
 constexpr const char* kGaugeTip =
-    "The stiffness of the first impact of a test push (P), from 1 kN/m to 1 MN/m. Grey: more than any renderer without "
-    "a force sensor can reach here, at this delay.\nK_z1 = force of the step / depth at the first return";
+    "The stiffness of the first impact of a test push (P), from 1 kN/m to 1 MN/m. Grey: impossible here for any "
+    "renderer without a force sensor, at this delay.\nK_z1 = force of the step / depth at the first return";
 constexpr const char* kInsetTip =
-    "The contact, magnified: the wall below, the tool above, whatever the wall's direction; its scale is at the bottom "
-    "left. Orange red: the force of the motors; orange: that of the hand.";
+    "The contact, magnified. The wall is always below and the tool above; the scale is at the bottom left. Orange red: "
+    "force of the motors. Orange: force of the hand.";
 constexpr const char* kCompareTip[] = {
     "Depths of both tools over the last 3 s, mm.",
-    "The force of the motors over the depth of the last press: the steeper, the stiffer.",
-    ("How many times as deep the one tool was as the other at the deepest points of the last press. Below 2 \u00b5m a "
-     "depth is only bounded.")};
+    "Force of the motors over the depth of the last press: a steeper curve is a stiffer wall.",
+    ("Ratio of the largest depths of the two tools in the last press. A depth below 2 \u00b5m counts as 2 \u00b5m, so "
+     "the ratio is then a lower bound.")};
 constexpr const char* kBadgeTip =
     "saturated: a motor is at its limit. unstable: torques alternate by more than a quarter of their limits. slipped: "
-    "it "
-    "slid 0.2 mm on a wall with friction. edge of workspace: at a mechanical stop.";
+    "the tool slid 0.2 mm on a wall with friction. edge of workspace: the tool is at a mechanical stop.";
 
 }  // namespace
 

@@ -24,8 +24,8 @@ constexpr Keyframe kKeyframes[] = {
 constexpr double kEnds[] = {7.0, 14.0, Tour::kLength};  // ends of the parts, s
 constexpr Tour::Words kWords[] = {
     {"Push", "One hand presses both tools. A stiff wall does not give way."},
-    {"Slide", "Still pressed, the hand drags both tools along the wall."},
-    {"Let go", "The hand lifts off at once: see what each wall gives back."},
+    {"Slide", "The hand still presses and drags both tools along the wall."},
+    {"Let go", "The hand lifts off at once: see how each wall responds."},
 };
 static_assert(std::size(kEnds) == Tour::kParts && std::size(kWords) == Tour::kParts);
 
@@ -94,7 +94,7 @@ bool isFirstStart() {
   if (fs::exists(file, error) || error) return false;
   fs::create_directories(folder, error);
   std::ofstream mark(file);
-  mark << "The tour of enamel-viewer was shown; without this file it is shown again.\n";
+  mark << "The tour of enamel-viewer was shown. Delete this file to show it again.\n";
   return mark.flush().good();
 }
 

@@ -202,7 +202,7 @@ void Viewer::takeRun() {
   if (trail_.size() > kTrail) trail_.erase(trail_.begin(), trail_.end() - static_cast<std::ptrdiff_t>(kTrail));
   const bool lost = runner_->secondFrame() != nullptr && right_.frame.plant != Status::ok;
   if (left_.frame.plant != Status::ok || lost) {
-    notify("The tool left the reach of the device: back to the start.");
+    notify("The tool left the workspace of the device: back to the start.");
     startAgain(true);
   }
 }

@@ -33,7 +33,7 @@ int nextSlowdown(int factor, bool slower) {
 
 bool Viewer::isRefused(Source source) {
   if (source == Source::both || (source == Source::recording) == (player_ != nullptr)) return false;
-  notify(player_ ? "This is a recording: nothing in it can be changed." : "Only in a recording (--play FILE).");
+  notify(player_ ? "A recording cannot be changed." : "Available only in a recording (--play FILE).");
   return true;
 }
 
@@ -67,7 +67,7 @@ bool Viewer::actOnRecording(Action action) {
     case Action::stepBack: player_->step(-1); return true;
     case Action::nextEvent:
     case Action::previousEvent:
-      if (!player_->jump(action == Action::nextEvent)) notify("There is no more contact or act of the guard.");
+      if (!player_->jump(action == Action::nextEvent)) notify("No further contact or guard event.");
       return true;
     case Action::faster:
       player_->setSpeed(*std::find_if(speeds, std::end(speeds) - 1, [&](double s) { return s > 1.001 * speed; }));
@@ -139,9 +139,9 @@ void Viewer::actOnView(Action action) {
   switch (action) {
     case Action::cutAway: return cutOpen();
     case Action::sound:
-      if (isHeadless_) return notify("There is sound only in a window.");
+      if (isHeadless_) return notify("Sound is available only in a window.");
       overlay_.sound = !overlay_.sound;
-      return notify(overlay_.sound ? "The bur is heard." : "The bur is not heard.");
+      return notify(overlay_.sound ? "Sound of the bur is on." : "Sound of the bur is off.");
     case Action::clip: wantsClip_ = !wantsClip_; break;
     case Action::camera1:
     case Action::camera2:
@@ -206,7 +206,7 @@ bool Viewer::canTour() const {
 
 // Start the tour at the scene's start, at rest, with position control and the spring.
 void Viewer::startTour() {
-  if (!canTour()) return notify("The tour is for scenes that are one wall, as flat-wall is.");
+  if (!canTour()) return notify("The tour needs a scene with one wall, such as flat-wall.");
   if (!split_) toggleSplit();
   if (paused_) act(Action::pause);
   setSlowdown(1);
@@ -223,7 +223,7 @@ void Viewer::startTour() {
 void Viewer::endTour(bool skipped) {
   motion_.endTour();
   if (skipped) act(Action::home);
-  notify("The hand is yours: drag it, or press with the wheel. V: one tool.");
+  notify("You now control the hand: drag it, or press with the wheel. V: one tool.");
 }
 
 void Viewer::setSlowdown(int factor) {
@@ -232,8 +232,8 @@ void Viewer::setSlowdown(int factor) {
 }
 
 void Viewer::undo() {
-  if (left_.frame.drilled.strokes == 0) return notify("There is no stroke of a bur to take back.");
-  if (recording_.recorder) return notify("A recording cannot take back what it has drilled: Ctrl+R ends it.");
+  if (left_.frame.drilled.strokes == 0) return notify("No stroke of a bur to undo.");
+  if (recording_.recorder) return notify("Undo is not possible during a recording: Ctrl+R ends it.");
   send(RunnerCommand::Kind::undo);
 }
 
@@ -250,7 +250,7 @@ void Viewer::resetAll() {
   camera_.select(0);
   startAgain();
   send(RunnerCommand::Kind::restore);
-  notify("Settings, renderer, hand, teeth, time and view are as at the start.");
+  notify("Settings, renderer, hand, teeth, time and view have been reset.");
 }
 
 // Start or end a recording. It begins with the tool at rest at its present pose and the renderers in their initial
@@ -258,11 +258,11 @@ void Viewer::resetAll() {
 void Viewer::toggleRecording() {
   std::string path;
   if (!recording_.recorder) {
-    if (split_) return notify("Two tools are not recorded: V shows one.");
-    if (isScan(scenePath_)) return notify("A scan is not recorded as it is dropped: a scene file that names it is.");
+    if (split_) return notify("The split screen cannot be recorded: V shows one tool.");
+    if (isScan(scenePath_)) return notify("A dropped scan cannot be recorded: open a scene file that names it.");
     const RemovedVolume& removed = left_.frame.drilled.removed;
     if (scene_.bur && std::any_of(removed.begin(), removed.end(), [](double volume) { return volume > 0.0; }))
-      return notify("A recording begins with whole teeth: Ctrl+Z or Backspace puts back what was drilled.");
+      return notify("A recording needs teeth without cuts: undo them with Ctrl+Z or Backspace.");
     path = freePath(folder_, "enamel", {".rec"}) + ".rec";
   }
   rebuild(left_.frame.record.pose, left_.frame.hand, true, path);
@@ -299,7 +299,7 @@ void Viewer::pressBy(double newtons) {
 void Viewer::spin(bool on) {
   if (isRefused(Source::live)) return;
   if (!scene_.bur) {
-    if (on) notify("The tool of this scene is no bur: nothing spins (scene drill has one).");
+    if (on) notify("The tool of this scene is not a bur: it cannot spin (scene drill has one).");
     return;
   }
   spins_ = on;
@@ -313,7 +313,7 @@ void Viewer::cutOpen() {
     plane_.reset();
     return;
   }
-  if (layersOf(solids_) == nullptr) return notify("There is no solid in this scene to cut open (scene drill has one).");
+  if (layersOf(solids_) == nullptr) return notify("This scene has no solid to cut open (scene drill has one).");
   const Pose& tool = left_.frame.record.pose;
   const Vec3 axis = tool.rotation.col(2), towards = metres(camera().eye()) - tool.position;
   const Vec3 across = towards - axis.dot(towards) * axis;

@@ -19,10 +19,10 @@ std::optional<double> typedValue(const OverlayState& state, const SliderRow& row
   const std::size_t word = rest.find_first_not_of(blank);
   const bool onlyUnit = word == std::string::npos || rest.compare(word, std::string::npos, row.unit) == 0;
   if (end == text || !onlyUnit || !std::isfinite(value))
-    problem = format("%s: \"%s\" is no number of %s. It stays as it was.", row.name, text, row.unit);
+    problem = format("%s: \"%s\" is not a number of %s. The value is unchanged.", row.name, text, row.unit);
   else if (value < row.low || value > row.high)
-    problem =
-        format("%s: %s is outside of %g to %g %s. It stays as it was.", row.name, text, row.low, row.high, row.unit);
+    problem = format("%s is %s, must be in %g to %g %s. The value is unchanged.", row.name, text, row.low, row.high,
+                     row.unit);
   else
     return value;
   return std::nullopt;
@@ -58,7 +58,7 @@ bool valueField(OverlayState& state, double& value, const SliderRow& row, float 
   }
   ImGui::PopStyleVar();
   note(state, row.name);
-  tip(state, "Click to type a value: Enter takes it, Esc leaves it.");
+  tip(state, "Click to type a value: Enter sets it, Esc cancels.");
   return done;
 }
 

@@ -19,7 +19,7 @@ class Window final : public WindowSurface {
  public:
   Window(const std::string& title, const glm::ivec2& size) {
     if (glfwInit() != GLFW_TRUE)
-      throw Error("no display to open a window on (" + reason() + "); --headless needs none");
+      throw Error("cannot open a window, no display (" + reason() + "); use --headless without a display");
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 2);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);

@@ -80,14 +80,14 @@ class Chai3dDevice final : public HapticDevice {
   /// cutoff; an invalid switch.
   Chai3dDevice(chai3d::cGenericHapticDevicePtr device, const Mechanism& mechanism, Chai3dOptions options = {})
       : device_(std::move(device)), mechanism_(mechanism), options_(std::move(options)), kinematics_(mechanism.home()) {
-    if (device_ == nullptr) throw Error("chai3d: there is no haptic device");
+    if (device_ == nullptr) throw Error("chai3d: the haptic device is missing");
     specifications_ = device_->getSpecifications();
     const int joints = mechanism.joints();
     if (joints != 3 && joints != 6)
       throw Error("chai3d: \"" + mechanism.name() + "\" has " + std::to_string(joints) + " joints, must have 3 or 6");
     const chai3d::cHapticDeviceInfo& s = specifications_;
     if (!s.m_sensedPosition || !s.m_actuatedPosition || (joints == 6 && !(s.m_sensedRotation && s.m_actuatedRotation)))
-      throw Error("chai3d: \"" + s.m_modelName + "\" does not sense and move the " + std::to_string(joints) +
+      throw Error("chai3d: \"" + s.m_modelName + "\" must sense and drive the " + std::to_string(joints) +
                   " axes of \"" + mechanism.name() + "\"");
     if (!(options_.cutoff >= 0.0 && std::isfinite(options_.cutoff)))
       throw Error("chai3d: the cutoff is " + std::to_string(options_.cutoff) + " Hz, must be finite and at least 0 Hz");
@@ -260,7 +260,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
   /// - a mesh without triangles, a missing or non-finite vertex;
   /// - as MeshModel and Scene::add().
   int addMesh(chai3d::cMesh* mesh, const Material& material = {}, double thickness = 0.0) {
-    if (mesh == nullptr) throw Error("chai3d: there is no mesh to add");
+    if (mesh == nullptr) throw Error("chai3d: the mesh to add is missing");
     TriangleMesh triangles;
     append(*mesh, Pose(), triangles);
     return follow(*mesh, std::move(triangles), material, thickness);
@@ -268,7 +268,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
 
   /// Add all meshes of an object as one obstacle.
   int addMesh(chai3d::cMultiMesh* object, const Material& material = {}, double thickness = 0.0) {
-    if (object == nullptr) throw Error("chai3d: there is no mesh to add");
+    if (object == nullptr) throw Error("chai3d: the mesh to add is missing");
     TriangleMesh triangles;
     for (int i = 0; i < object->getNumMeshes(); ++i) {
       const chai3d::cMesh& mesh = *object->getMesh(static_cast<unsigned int>(i));
@@ -392,10 +392,11 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
   }
 
   double scaleOfMeshes() {
-    if (m_hapticDevice == nullptr) throw Error("chai3d: setHapticDevice() comes before meshes: it sets the scale");
+    if (m_hapticDevice == nullptr)
+      throw Error("chai3d: call setHapticDevice() before adding meshes: it sets the scale");
     if (!followed_.empty() && m_workspaceScaleFactor != scale_)
-      throw Error("chai3d: the workspace's scale is " + std::to_string(m_workspaceScaleFactor) + " and was " +
-                  std::to_string(scale_) + " when the first mesh was added: set it before");
+      throw Error("chai3d: the workspace's scale is " + std::to_string(m_workspaceScaleFactor) + ", it was " +
+                  std::to_string(scale_) + " when the first mesh was added: set it before that");
     return m_workspaceScaleFactor;
   }
 
@@ -412,8 +413,8 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
       for (unsigned int k = 0; k < 3; ++k) {
         const unsigned int corner = all.getVertexIndex(i, k);
         if (corner >= vertices)
-          throw Error("chai3d: \"" + mesh.m_name + "\": triangle " + std::to_string(i) + " has the vertex " +
-                      std::to_string(corner) + ", of " + std::to_string(vertices));
+          throw Error("chai3d: \"" + mesh.m_name + "\": triangle " + std::to_string(i) + " names vertex " +
+                      std::to_string(corner) + ", the mesh has " + std::to_string(vertices));
         corners[k] = first + static_cast<int>(corner);
       }
       result.triangles.push_back(corners);

@@ -28,7 +28,7 @@ Archive openArchive(const std::string& path, int flags) {
     zip_error_init_with_code(&error, code);
     const std::string reason = zip_error_strerror(&error);
     zip_error_fini(&error);
-    throw Error(path + ": is no archive that can be opened: " + reason);
+    throw Error(path + ": cannot open the archive: " + reason);
   }
   return archive;
 }
@@ -55,9 +55,8 @@ Entry entryOf(zip_t* archive, zip_uint64_t index, const std::string& path) {
     throw Error(path + ": its entry " + std::to_string(index) + " is damaged: " + zip_strerror(archive));
   Entry entry{index, given, about.size};
   std::replace(entry.name.begin(), entry.name.end(), '\\', '/');  // some packers on Windows write backslashes
-  if (!staysInside(entry.name)) throw Error(path + ": holds \"" + given + "\", which leads out of it");
-  if (entry.name.back() == '/' && entry.size > 0)
-    throw Error(path + ": holds \"" + given + "\", which is a folder with content of its own");
+  if (!staysInside(entry.name)) throw Error(path + ": holds \"" + given + "\", a path outside of the archive");
+  if (entry.name.back() == '/' && entry.size > 0) throw Error(path + ": holds \"" + given + "\", a folder with data");
   zip_uint8_t system = 0;
   zip_uint32_t attributes = 0;
   zip_file_get_external_attributes(archive, index, 0, &system, &attributes);
@@ -87,7 +86,7 @@ std::vector<Entry> entriesOf(zip_t* archive, const std::string& path, std::size_
     const auto [same, isNew] = seen.emplace(lower, entry.name);
     if (!isNew)
       throw Error(path + ": holds \"" + same->second + "\" and \"" + entry.name +
-                  "\", which are one file where case does not count");
+                  "\", which are the same file if case is ignored");
     entries.push_back(std::move(entry));
   }
   return entries;
@@ -137,14 +136,14 @@ void writeArchive(const std::string& path, const std::vector<ArchiveFile>& files
     zip_set_file_compression(archive.get(), static_cast<zip_uint64_t>(entry), ZIP_CM_DEFLATE, 1);
     zip_file_set_dostime(archive.get(), static_cast<zip_uint64_t>(entry), 0, 0x21, 0);
   }
-  if (zip_close(archive.get()) != 0) throw Error(path + ": cannot be written: " + zip_strerror(archive.get()));
+  if (zip_close(archive.get()) != 0) throw Error(path + ": cannot write the archive: " + zip_strerror(archive.get()));
   (void)archive.release();
 }
 
 UnpackedArchive::UnpackedArchive(const std::string& path, std::size_t most) {
   const Archive archive = openArchive(path, ZIP_RDONLY);
   std::string pattern = (std::filesystem::temp_directory_path() / "enamel-unit-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) throw Error(path + ": cannot be unpacked to " + pattern);
+  if (mkdtemp(pattern.data()) == nullptr) throw Error(path + ": cannot be unpacked into the folder " + pattern);
   folder_ = pattern;
   try {
     unpackAll(archive.get(), path, folder_, most);

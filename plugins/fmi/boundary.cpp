@@ -50,7 +50,7 @@ void checkToken(const std::string& resources, const char* token) {
   const std::string expected =
       tokenOf(textAt(resources + "unit.json"), textAt(resources + "device.toml"), textAt(resources + "scene.toml"));
   if (token == nullptr || expected != token)
-    throw Error(resources + ": the resources are not those that modelDescription.xml was written for");
+    throw Error(resources + ": the resources do not match modelDescription.xml");
 }
 
 std::unique_ptr<Unit> makeUnit(const std::string& resources) {
@@ -67,16 +67,16 @@ std::unique_ptr<Unit> makeUnit(const std::string& resources) {
 }
 
 Status refuse(Instance instance, const char* function) noexcept {
-  return guarded(instance, [&](Handle&) { throw Error(std::string(function) + ": this unit does not have it"); });
+  return guarded(instance, [&](Handle&) { throw Error(std::string(function) + ": not supported by this unit"); });
 }
 
 Instance refuseKind(void* environment, LogMessage log) noexcept {
-  Handle{nullptr, nullptr, environment, log}.say(error, "this unit is for co-simulation");
+  Handle{nullptr, nullptr, environment, log}.say(error, "this unit supports only co-simulation");
   return nullptr;
 }
 
 UnitState& stateAt(State state) {
-  if (state == nullptr) throw Error("there is no state");
+  if (state == nullptr) throw Error("the state is missing (NULL)");
   return *static_cast<UnitState*>(state);
 }
 
@@ -107,9 +107,9 @@ EXPORT Instance fmi3InstantiateCoSimulation(String, String token, String resourc
                                             LogMessage log, IntermediateUpdate) {
   auto handle = std::make_unique<Handle>(Handle{nullptr, nullptr, environment, log});
   const Status status = guarded(handle.get(), [&](Handle& h) {
-    if (eventModeUsed) throw Error("this unit has no event mode");
-    if (required > 0) throw Error("this unit has no intermediate variables");
-    if (resources == nullptr || *resources == 0) throw Error("no path of the resources was given");
+    if (eventModeUsed) throw Error("this unit does not support the event mode");
+    if (required > 0) throw Error("this unit does not support intermediate variables");
+    if (resources == nullptr || *resources == 0) throw Error("the path of the resources is missing");
     std::string folder = resources;
     if (folder.back() != '/') folder += '/';
     checkToken(folder, token);
@@ -159,7 +159,8 @@ EXPORT Status fmi3DoStep(Instance instance, double time, double step, bool, bool
     Condition& now = h.unit->now();
     requirePhase(now, Phase::stepping, "fmi3DoStep");
     if (!(step > 0.0) || !std::isfinite(step) || !std::isfinite(time))
-      throw Error("a step of " + std::to_string(step) + " s at " + std::to_string(time) + " s");
+      throw Error("the step is " + std::to_string(step) + " s at " + std::to_string(time) +
+                  " s, must be finite and greater than 0 s");
     now.last = time;
     h.unit->step(step);
     now.last = time + step;
@@ -198,7 +199,8 @@ EXPORT Status fmi3SerializedFMUStateSize(Instance instance, State state, std::si
 EXPORT Status fmi3SerializeFMUState(Instance instance, State state, std::uint8_t bytes[], std::size_t size) {
   return guarded(instance, [&](Handle& h) {
     const std::string written = h.unit->bytesOf(stateAt(state));
-    if (written.size() != size) throw Error("the state has " + std::to_string(written.size()) + " bytes");
+    if (written.size() != size)
+      throw Error("the state has " + std::to_string(written.size()) + " bytes, the buffer has " + std::to_string(size));
     std::memcpy(bytes, written.data(), size);
   });
 }

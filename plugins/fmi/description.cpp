@@ -58,36 +58,36 @@ std::vector<Variable> variablesOf(const UnitConfiguration& c, const Mechanism& d
   std::vector<Variable> table = {{"time", C::independent, "s", "Simulation time", {0.0}, false}};
   const auto add = [&](Variable variable) { table.push_back(std::move(variable)); };
   if (c.renderer.empty()) {
-    add({"torque", C::input, torque, "Of the motors, held over a step", balance});
-    add({"force", C::input, "N", "Of the person on the platform at the TCP, W, held over a step", three});
-    add({"moment", C::input, "N.m", "Of the person on the platform, W, held over a step", three});
-    add({"position", C::output, "m", "TCP in W", three});
-    add({"orientation", C::output, "", "Of the platform in W, unit quaternion w, x, y, z", upright});
-    add({"velocity", C::output, "m/s", "Of the TCP, W", three});
-    add({"angular_velocity", C::output, "rad/s", "Of the platform, W", three});
-    add({"q", C::output, angle, "Joint coordinates as the encoders see them, exact", home});
-    add({"rates", C::output, rate, "Joint rates as the encoders see them, exact", zeros});
+    add({"torque", C::input, torque, "Torque of the motors, held over a step", balance});
+    add({"force", C::input, "N", "Force of the person on the platform at the TCP, W, held over a step", three});
+    add({"moment", C::input, "N.m", "Moment of the person on the platform, W, held over a step", three});
+    add({"position", C::output, "m", "Position of the TCP in W", three});
+    add({"orientation", C::output, "", "Orientation of the platform in W, unit quaternion w, x, y, z", upright});
+    add({"velocity", C::output, "m/s", "Velocity of the TCP, W", three});
+    add({"angular_velocity", C::output, "rad/s", "Angular velocity of the platform, W", three});
+    add({"q", C::output, angle, "Joint coordinates at the encoders, exact", home});
+    add({"rates", C::output, rate, "Joint rates at the encoders, exact", zeros});
     add({"applied", C::output, torque, "Torque that acted during the last step", balance});
-    add({"start_position", C::parameter, "m", "TCP in W where it begins at rest", three});
-    add({"start_orientation", C::parameter, "", "Of the platform where it begins, unit quaternion w, x, y, z",
+    add({"start_position", C::parameter, "m", "Position of the TCP in W at the start, at rest", three});
+    add({"start_orientation", C::parameter, "", "Orientation of the platform at the start, unit quaternion w, x, y, z",
          upright});
     add({"guide",
          C::parameter,
          "",
-         "Whether a hand keeps the TCP across guide_normal and the orientation softly",
+         "Whether a hand softly holds the TCP across guide_normal and the orientation",
          {0.0},
          false,
          Type::boolean});
     add({"guide_normal",
          C::parameter,
          "",
-         "Unit vector along which the hand leaves the tool free, W",
+         "Unit vector along which the hand does not hold the tool, W",
          {0.0, 0.0, 1.0}});
   } else {
     add({"q", C::input, angle, "Measured joint coordinates", home});
     add({"rates", C::input, rate, "Measured joint rates", zeros});
     add({"applied", C::input, torque, "Torque that acted since the last tick", balance});
-    add({"enabled", C::input, "", "The user's enable", {1.0}, false, Type::boolean});
+    add({"enabled", C::input, "", "Enable switch of the user", {1.0}, false, Type::boolean});
     add({"age",
          C::input,
          "",
@@ -95,22 +95,27 @@ std::vector<Variable> variablesOf(const UnitConfiguration& c, const Mechanism& d
          {0.0},
          false,
          Type::integer});
-    add({"torque", C::output, torque, "For the motors, from the guard", balance});
-    add({"requested", C::output, torque, "Torque that the renderer asked for", balance});
-    add({"normal_force", C::output, "N", "Of the wall on the tool, as the renderer reports it", {0.0}, false});
+    add({"torque", C::output, torque, "Torque for the motors, from the guard", balance});
+    add({"requested", C::output, torque, "Torque requested by the renderer", balance});
+    add({"normal_force",
+         C::output,
+         "N",
+         "Normal force of the wall on the tool, as the renderer reports it",
+         {0.0},
+         false});
     add({"mode", C::output, "", "0 free, 1 contact, 2 fault", {0.0}, false, Type::integer});
-    add({"saturated", C::output, "", "A motor's limit cut the torque", {0.0}, false, Type::boolean});
-    add({"status", C::output, "", "Of the tick (enamel/core/status.hpp), 0 ok", {0.0}, false, Type::integer});
+    add({"saturated", C::output, "", "Whether a motor's limit reduced the torque", {0.0}, false, Type::boolean});
+    add({"status", C::output, "", "Status of the tick (enamel/core/status.hpp), 0 ok", {0.0}, false, Type::integer});
     add({"guard",
          C::output,
          "",
-         "Why torque is not what was requested (enamel/render/guard.hpp), 0 it is",
+         "Reason of the guard if torque differs from requested (enamel/render/guard.hpp), 0 none",
          {0.0},
          false,
          Type::integer});
-    add({"start_position", C::parameter, "m", "About where the TCP is at the first tick, W", three});
-    add({"start_orientation", C::parameter, "", "The platform's orientation there, unit quaternion w, x, y, z",
-         upright});
+    add({"start_position", C::parameter, "m", "Approximate position of the TCP at the first tick, W", three});
+    add({"start_orientation", C::parameter, "",
+         "Approximate orientation of the platform at the first tick, unit quaternion w, x, y, z", upright});
   }
   return table;
 }

@@ -39,8 +39,9 @@ class UnitPlant final : private Owner, public Plant {
     const auto& o = state_.orientation;
     const double orientation[4] = {o.w(), o.x(), o.y(), o.z()};
     require(unit_->enterInitialization(instance_, false, 0.0, 0.0, false, 0.0), "cannot be initialised");
-    if (unit_->startPosition.size > 0) require(put(unit_->startPosition, pose.position.data()), "refuses its start");
-    if (unit_->startOrientation.size > 0) require(put(unit_->startOrientation, orientation), "refuses its start");
+    if (unit_->startPosition.size > 0)
+      require(put(unit_->startPosition, pose.position.data()), "refuses its start pose");
+    if (unit_->startOrientation.size > 0) require(put(unit_->startOrientation, orientation), "refuses its start pose");
     const JointVector& gravity = kinematics.gravity;
     require(put(unit_->torque, gravity.data()), "refuses a torque");
     require(unit_->exitInitialization(instance_), "cannot be initialised");
@@ -50,7 +51,7 @@ class UnitPlant final : private Owner, public Plant {
                  turned = angleBetween(state_.pose().rotation, pose.rotation);
     if (off > 1e-6 || turned > 1e-6)
       fail("begins " + std::to_string(off) + " m and " + std::to_string(turned) +
-           " rad away from the start of the push, and has no start_position or start_orientation that it follows");
+           " rad away from the start of the push; it needs start_position and start_orientation");
     return enamel::Status::ok;
   }
 
@@ -59,7 +60,7 @@ class UnitPlant final : private Owner, public Plant {
     if (!unit_->anyStep) {
       if (step_ == 0.0) step_ = duration;
       if (std::abs(duration - step_) > 1e-9 * step_) {
-        tell("takes steps of one size only");
+        tell("supports steps of one size only");
         return enamel::Status::outOfRange;
       }
     }
@@ -73,7 +74,7 @@ class UnitPlant final : private Owner, public Plant {
         unit_->doStep(instance_, time, duration, true, &eventNeeded, &terminated, &early, &last) <= warning &&
         !terminated && !early && look();
     if (!done) {
-      tell(problem_.empty() ? "cannot move on" : problem_.c_str());
+      tell(problem_.empty() ? "cannot perform the step" : problem_.c_str());
       state_ = before;
       return enamel::Status::notConverged;
     }
@@ -93,7 +94,7 @@ class UnitPlant final : private Owner, public Plant {
  private:
   void open() {
     if (unit_->onlyOne && unit_->taken.exchange(true))
-      throw Error(unit_->path() + ": can be instantiated only once in a process: --threads 1");
+      throw Error(unit_->path() + ": can be instantiated only once in a process: use --threads 1");
     instance_ = unit_->instantiate("plant", unit_->token.c_str(), unit_->resources().c_str(), false, false, false,
                                    false, nullptr, 0, this, &UnitPlant::log, nullptr);
     if (instance_ != nullptr) return;

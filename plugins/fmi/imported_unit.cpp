@@ -45,15 +45,15 @@ void ImportedUnit::readDescription() {
   if (!parsed) refuse(std::string("modelDescription.xml: ") + parsed.description());
   const pugi::xml_node root = document_.child("fmiModelDescription");
   const std::string version = root.attribute("fmiVersion").value();
-  if (version.rfind("3.", 0) != 0) refuse("is of FMI \"" + version + "\", must be 3.0");
+  if (version.rfind("3.", 0) != 0) refuse("has the FMI version \"" + version + "\", must be 3.0");
   const pugi::xml_node simulation = root.child("CoSimulation");
-  if (!simulation) refuse("is no unit of co-simulation");
+  if (!simulation) refuse("does not support co-simulation");
   identifier_ = simulation.attribute("modelIdentifier").value();
   if (identifier_.empty() || identifier_.find('/') != std::string::npos)
-    refuse("its modelIdentifier is \"" + identifier_ + "\"");
+    refuse("its modelIdentifier is \"" + identifier_ + "\", must be a file name without /");
   anyStep = simulation.attribute("canHandleVariableCommunicationStepSize").as_bool();
   onlyOne = simulation.attribute("canBeInstantiatedOnlyOncePerProcess").as_bool();
-  if (simulation.attribute("needsExecutionTool").as_bool()) refuse("needs the tool that it was made with");
+  if (simulation.attribute("needsExecutionTool").as_bool()) refuse("needs the tool that created it");
   token = root.attribute("instantiationToken").value();
 }
 
@@ -67,11 +67,11 @@ void ImportedUnit::findVariables(std::size_t n, bool turns) {
   velocity = require("velocity", {3, "output", kSpeed});
   orientation = find("orientation", {4, "output", kNone});
   angularVelocity = find("angular_velocity", {3, "output", kRate});
-  if (n > 3 && orientation.size == 0) refuse("has no output orientation, and the device turns");
+  if (n > 3 && orientation.size == 0) refuse("needs an output orientation, because the device turns");
   if (orientation.size > 0 && angularVelocity.size == 0) refuse("has no output angular_velocity");
   q = find("q", {n, "output", jointIs});
   rates = find("rates", {n, "output", rateIs});
-  if ((q.size == 0) != (rates.size == 0)) refuse("has one of the outputs q and rates, must have both or none");
+  if ((q.size == 0) != (rates.size == 0)) refuse("has one of the outputs q and rates, must have both or neither");
   startPosition = find("start_position", {3, "parameter", kLength});
   startOrientation = find("start_orientation", {4, "parameter", kNone});
 }
@@ -153,7 +153,8 @@ void ImportedUnit::loadBinary() {
   }
   GetVersion* version = nullptr;
   symbol("fmi3GetVersion", version);
-  if (const std::string is = version(); is.rfind("3.", 0) != 0) refuse("its binary is of FMI \"" + is + "\"");
+  if (const std::string is = version(); is.rfind("3.", 0) != 0)
+    refuse("its binary has the FMI version \"" + is + "\", must be 3.0");
   symbol("fmi3InstantiateCoSimulation", instantiate);
   symbol("fmi3FreeInstance", free);
   symbol("fmi3EnterInitializationMode", enterInitialization);

@@ -32,7 +32,7 @@ void PlantUnit::begin() {
       make_ ? make_(0) : std::make_unique<ClosedFormPlant>(*device_, Integrator::rungeKutta4, configuration_.substeps);
   start_ = startPose();
   normal_ = vec3("guide_normal");
-  if (!(std::abs(normal_.norm() - 1.0) < 1e-6)) throw Error("guide_normal has not the length 1 to 1e-6");
+  if (!(std::abs(normal_.norm() - 1.0) < 1e-6)) throw Error("guide_normal must have the length 1 to 1e-6");
   if (const enamel::Status status = plant_->start(start_); status != enamel::Status::ok)
     throw Error(std::string("the start pose is ") + toString(status));
   Kinematics k;
@@ -51,7 +51,8 @@ void PlantUnit::step(double step) {
   const JointVector torque = joints("torque");
   const enamel::Status status = plant_->advance(now_.last, step, torque, load);
   if (status != enamel::Status::ok)
-    throw Error("the device cannot move on at " + std::to_string(now_.last) + " s: its pose is " + toString(status));
+    throw Error("the device cannot perform the step at " + std::to_string(now_.last) + " s: its pose is " +
+                toString(status));
   put("applied", torque);
   show();
 }

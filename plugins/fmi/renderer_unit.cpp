@@ -63,8 +63,8 @@ void RendererUnit::refresh() {
 
 void RendererUnit::step(double step) {
   if (!(std::abs(step - configuration_.period) <= 1e-9 * configuration_.period))
-    throw Error("a step of " + std::to_string(step) + " s: its ticks take " + std::to_string(configuration_.period) +
-                " s");
+    throw Error("the step is " + std::to_string(step) + " s, must be the period of the ticks, " +
+                std::to_string(configuration_.period) + " s");
   now_.isNew = true;  // also if outputs were read: a state may have been set since
   refresh();
   tick_->saveState(before_.data());
@@ -76,11 +76,11 @@ std::unique_ptr<UnitState> RendererUnit::copyState() const { return std::make_un
 void RendererUnit::putState(const UnitState& state) {
   const auto& saved = static_cast<const Saved&>(state);
   if (saved.before.empty()) {  // of a unit that had not begun
-    if (saved.now.phase == Phase::stepping) throw Error("the state is of another unit");
+    if (saved.now.phase == Phase::stepping) throw Error("the state belongs to another unit");
     tick_.reset();
   } else {
     if (!tick_) makeTick();  // of another instance
-    if (saved.before.size() != before_.size()) throw Error("the state is of another unit");
+    if (saved.before.size() != before_.size()) throw Error("the state belongs to another unit");
     tick_->loadState(saved.before.data());
   }
   now_ = saved.now;
@@ -109,7 +109,7 @@ std::unique_ptr<UnitState> RendererUnit::stateOf(const std::string& bytes) const
   auto saved = std::make_unique<Saved>(now_, std::vector<char>(), 0);
   std::size_t at = 0;
   const auto take = [&](auto& number) {
-    if (bytes.size() - at < sizeof number) throw Error("the bytes are of another unit's state");
+    if (bytes.size() - at < sizeof number) throw Error("the bytes belong to the state of another unit");
     std::memcpy(&number, bytes.data() + at, sizeof number);
     at += sizeof number;
   };
@@ -120,14 +120,14 @@ std::unique_ptr<UnitState> RendererUnit::stateOf(const std::string& bytes) const
   take(isNew);
   take(saved->number);
   if (phase < 0 || phase > static_cast<std::int64_t>(Phase::terminated))
-    throw Error("the bytes are of another unit's state");
+    throw Error("the bytes belong to the state of another unit");
   saved->now.phase = static_cast<Phase>(phase);
   saved->now.isNew = isNew != 0;
   for (auto& values : saved->now.values)
     for (double& number : values) take(number);
   saved->before.assign(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.end());
   if (!saved->before.empty() && tick_ && saved->before.size() != tick_->stateSize())
-    throw Error("the bytes are of another unit's state");
+    throw Error("the bytes belong to the state of another unit");
   return saved;
 }
 

@@ -29,13 +29,13 @@ std::unique_ptr<UnitState> Unit::stateOf(const std::string&) const { throw Error
 std::vector<double>& Unit::value(const char* name) {
   for (std::size_t i = 0; i < variables_.size(); ++i)
     if (std::strcmp(variables_[i].name, name) == 0) return now_.values[i];
-  throw Error(std::string("there is no variable ") + name);
+  throw Error(std::string("unknown variable ") + name);
 }
 
 Pose Unit::startPose() {
   const std::vector<double>& o = value("start_orientation");
   const Eigen::Quaternion<double> orientation(o[0], o[1], o[2], o[3]);
-  if (!(std::abs(orientation.norm() - 1.0) < 1e-6)) throw Error("start_orientation is no unit quaternion to 1e-6");
+  if (!(std::abs(orientation.norm() - 1.0) < 1e-6)) throw Error("start_orientation must be a unit quaternion to 1e-6");
   return {vec3("start_position"), orientation.normalized().toRotationMatrix()};
 }
 
@@ -43,15 +43,16 @@ template <typename T, typename Visit>
 void Unit::eachValue(const Reference references[], std::size_t count, std::size_t valueCount, const Visit& visit) {
   std::size_t at = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (references[i] >= variables_.size()) throw Error("there is no variable " + std::to_string(references[i]));
+    if (references[i] >= variables_.size()) throw Error("unknown variable " + std::to_string(references[i]));
     const Variable& variable = variables_[references[i]];
-    if (variable.type != typeOf<T>) throw Error(std::string(variable.name) + " is of another type");
+    if (variable.type != typeOf<T>) throw Error(std::string(variable.name) + " has another type");
     std::vector<double>& values = now_.values[references[i]];
-    if (valueCount - at < values.size()) throw Error(std::string(variable.name) + " has more numbers");
+    if (valueCount - at < values.size())
+      throw Error(std::string(variable.name) + " has " + std::to_string(values.size()) + " numbers, more than given");
     visit(variable, values, at);
     at += values.size();
   }
-  if (at != valueCount) throw Error("there are more values than the variables have");
+  if (at != valueCount) throw Error("more values are given than the variables have");
 }
 
 template <typename T>

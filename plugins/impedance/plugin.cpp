@@ -5,8 +5,8 @@
 namespace {
 
 const EnamelParameter kParameters[] = {
-    {"stiffness", "6000", "of the wall, N/m"},
-    {"damping", "0", "of the wall, N s/m"},
+    {"stiffness", "6000", "stiffness of the wall, N/m"},
+    {"damping", "0", "damping of the wall, N s/m"},
 };
 
 class Impedance {

@@ -11,15 +11,17 @@
 namespace {
 
 const EnamelParameter kParameters[] = {
-    {"mode", "surface", "surface: a servo in contact space; hold: the paper's, sticks to the point of touch"},
-    {"gain", "designed", "of hold: file of enamel design; designed: for the device at home"},
-    {"delay", "0", "of the command, of surface: the smallest, ticks"},
-    {"delay-high", "same", "of surface: the largest, ticks; same: as delay"},
+    {"mode", "surface",
+     "surface: a servo in contact space; hold: the paper's servo, which sticks to the point of touch"},
+    {"gain", "designed", "servo of hold: file of enamel design, or designed: for the device at home"},
+    {"delay", "0", "delay of the command for surface, the smallest, ticks"},
+    {"delay-high", "same", "the same, the largest, ticks; same: as delay"},
     {"drive", "device",
-     "of surface: device: cables, motor lag and friction as in [imperfections]; rigid: without cables; ideal: none"},
-    {"release", "on", "of hold: on: the hold ends when the wall would pull; off: never"},
-    {"release-force", "0.3", "of hold: pull at which it ends, N"},
-    {"anti-windup", "off", "of hold: on: the integrators stop while a motor is saturated"},
+     "drives known to surface. device: cables, motor lag and friction as in [imperfections]; rigid: without cables; "
+     "ideal: none of these"},
+    {"release", "on", "hold ends when the wall would pull; off: it never ends"},
+    {"release-force", "0.3", "pull at which hold ends, N"},
+    {"anti-windup", "off", "the integrators of hold stop while a motor is saturated"},
 };
 
 [[noreturn]] void refuse(const char* key, const std::string& problem) {
@@ -38,7 +40,7 @@ class PositionControl {
 
   static const EnamelDescription& describe() noexcept {
     static const EnamelDescription description = {
-        "position-control", "0.3.0", "A wall as a position servo: in contact space, or the paper's, which holds",
+        "position-control", "0.3.0", "A wall as a position servo, in contact space or as in the paper (hold)",
         kParameters, std::size(kParameters)};
     return description;
   }
@@ -59,7 +61,7 @@ class PositionControl {
     hold_.release = configuration.flag("release");
     hold_.releaseForce = configuration.number("release-force", 0.0, 100.0, "N");
     hold_.antiWindup = configuration.flag("anti-windup");
-    if (surface_ && gain != "designed") refuse("gain", "is of mode hold, mode surface needs no file");
+    if (surface_ && gain != "designed") refuse("gain", "is only for mode hold: mode surface does not need a file");
     if (gain != "designed") servo_ = enamel::loadServo(gain);
     if (surface_) enamel::PositionControlRenderer{enamel::positionControlFor(*mechanism_, 1e-3, low_, high_)};
   }

@@ -52,7 +52,7 @@ Pose poseOf(const Array& position, const std::optional<Array>& rotation) {
   if (rotation) {
     requireShape(*rotation, "rotation", {3, 3}, "axes of the platform as columns");
     pose.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation->data());
-    if (!isRotation(pose.rotation)) throw py::value_error("rotation is no right-handed orthonormal matrix to 1e-6");
+    if (!isRotation(pose.rotation)) throw py::value_error("rotation must be a right-handed orthonormal matrix to 1e-6");
   }
   return pose;
 }

@@ -18,20 +18,22 @@ void addVector(py::class_<Kinematics>& c, const char* name, Member member, const
 
 void addKinematics(py::module_& m) {
   py::class_<Kinematics> k(m, "Kinematics",
-                           "Everything about a mechanism in motion that one tick computes once, in W. Its arrays look "
-                           "into the object and cannot be written.");
+                           "Kinematics and dynamics of a mechanism in motion, as a tick computes them once, in W. The "
+                           "arrays are read-only views of this object.");
   addVector(k, "q", &Kinematics::q, "Joint coordinates, (n,), rad or m.");
-  addVector(k, "rates", &Kinematics::rates, "q', (n,), rad/s or m/s.");
-  addVector(k, "twist", &Kinematics::twist, "V = J q', (6,), m/s and rad/s.");
+  addVector(k, "rates", &Kinematics::rates, "Joint rates q', (n,), rad/s or m/s.");
+  addVector(k, "twist", &Kinematics::twist, "Twist V = J q' of the TCP, (6,), m/s and rad/s.");
   addVector(k, "jacobian", &Kinematics::jacobian, "J, (6, n).");
   addVector(k, "inverse_transposed", &Kinematics::inverseTransposed,
-            "(6, n): F = this tau is the wrench on the platform of torques tau, q' = this^T V.");
+            "Inverse transpose of the Jacobian, (6, n): torques tau put the wrench F = J^-T tau on the platform, and "
+            "q' = (J^-T)^T V.");
   addVector(k, "gravity", &Kinematics::gravity, "Torque that balances gravity at rest, (n,), N m or N.");
-  addVector(k, "inertia", &Kinematics::inertia,
-            "M(q), (n, n), kg m^2 or kg; (0, 0) where a renderer's needs_inertia does not ask for it.");
+  addVector(
+      k, "inertia", &Kinematics::inertia,
+      "Joint-space inertia M(q), (n, n), kg m^2 or kg; (0, 0) in a tick if the renderer's needs_inertia is False.");
   k.def_property_readonly(
       "position", [](const Kinematics& self) -> const Vec3& { return self.pose.position; },
-      py::return_value_policy::reference_internal, "TCP in W, (3,), m.");
+      py::return_value_policy::reference_internal, "Position of the TCP in W, (3,), m.");
   k.def_property_readonly(
       "rotation", [](const Kinematics& self) -> const Mat3& { return self.pose.rotation; },
       py::return_value_policy::reference_internal, "Axes of the platform in W as columns, (3, 3).");
@@ -51,8 +53,8 @@ void addMotion(py::class_<Device>& device) {
             return kinematics;
           },
           py::arg("q"), py::arg("rates") = py::none(),
-          "Forward kinematics: everything from joint coordinates and rates, with inertia. The search begins at home. "
-          "Raises Error: notFinite, unreachable, singular, notConverged.")
+          "Return everything from joint coordinates and rates (forward kinematics), with inertia. The search begins at "
+          "home. Raises Error: notFinite, unreachable, singular, notConverged.")
       .def(
           "reach",
           [](const Device& self, const Array& position, const std::optional<Array>& rotation,
@@ -65,8 +67,8 @@ void addMotion(py::class_<Device>& device) {
             return kinematics;
           },
           py::arg("position"), py::arg("rotation") = py::none(), py::arg("twist") = py::none(),
-          "Inverse kinematics: everything from pose and twist, with inertia. Raises Error: notFinite, unreachable "
-          "(also: a turn that the platform cannot make), singular.")
+          "Return everything from pose and twist (inverse kinematics), with inertia. Raises Error: notFinite, "
+          "unreachable (also for a rotation that the platform cannot make), singular.")
       .def(
           "accelerate",
           [](const Device& self, const Array& position, const Array& torque, const std::optional<Array>& rotation,
@@ -81,43 +83,45 @@ void addMotion(py::class_<Device>& device) {
           },
           py::arg("position"), py::arg("torque"), py::arg("rotation") = py::none(), py::arg("twist") = py::none(),
           py::arg("wrench") = py::none(),
-          "Forward dynamics: V' = [v'; w'], (6,), at a pose and twist under joint torques and a wrench on the platform "
-          "at the TCP (N, N m), with gravity, friction and damping. Raises Error as reach().");
+          "Return the acceleration V' = [v'; w'], (6,), m/s^2 and rad/s^2, at a pose and twist (forward dynamics). "
+          "Loads are joint torques, a wrench on the platform at the TCP (N, N m), gravity, friction and damping. "
+          "Raises Error as reach() "
+          "does.");
 }
 
 }  // namespace
 
 void addDevice(py::module_& m) {
   addKinematics(m);
-  py::class_<Device> device(m, "Device",
-                            "A mechanism: geometry and mass of a device. Immutable; may be shared between threads.");
+  py::class_<Device> device(m, "Device", "A device: its geometry, masses and motors. Immutable; threads may share it.");
   device
       .def(py::init([](const py::object& path) { return deviceOf(loadDevice(py::str(path).cast<std::string>())); }),
            py::arg("path"),
-           "Reads a device file (TOML). Raises ConfigurationError with file, line, key, value and limit.")
+           "Read a device file (TOML). Raises ConfigurationError with file, line, key, value and limit.")
       .def_static(
           "parse", [](const std::string& text, const std::string& file) { return deviceOf(parseDevice(text, file)); },
-          py::arg("text"), py::arg("file") = "text", "The same for text in memory; messages name `file`.")
+          py::arg("text"), py::arg("file") = "text",
+          "Read the text of a device file. Messages name it `file`. Raises ConfigurationError.")
       .def_property_readonly(
-          "name", [](const Device& self) { return self.mechanism->name(); }, "As the file has it.")
+          "name", [](const Device& self) { return self.mechanism->name(); }, "Name in the device file.")
       .def_property_readonly(
-          "joints", [](const Device& self) { return self.mechanism->joints(); }, "n.")
+          "joints", [](const Device& self) { return self.mechanism->joints(); }, "Number of joints, n.")
       .def_property_readonly(
           "max_torque", [](const Device& self) { return self.mechanism->limits().effort; },
-          "Largest torque of every motor, (n,), N m or N.")
+          "Largest torque of each motor, (n,), N m or N.")
       .def_property_readonly(
           "encoder_step", [](const Device& self) { return self.mechanism->limits().encoderStep; },
-          "Step of every encoder, (n,), rad or m.")
+          "Step of each encoder, (n,), rad or m.")
       .def_property_readonly(
           "count",
           [](const Device& self) {
-            warnDeprecated("Device.count: its name is encoder_step now, the old one ends with version 0.4");
+            warnDeprecated("Device.count: is now called encoder_step; version 0.4 removes the old name");
             return self.mechanism->limits().encoderStep;
           },
-          "The old name of encoder_step.")
+          "Old name of encoder_step.")
       .def_property_readonly(
           "home", [](const Device& self) -> const Kinematics& { return self.mechanism->home(); },
-          py::return_value_policy::reference_internal, "At rest at the home pose (P = W), with inertia.")
+          py::return_value_policy::reference_internal, "Kinematics at rest at the home pose (P = W), with inertia.")
       .def(
           "damped",
           [](const Device& self, const Array& damping) {
@@ -126,7 +130,7 @@ void addDevice(py::module_& m) {
             return deviceOf(std::move(parameters));
           },
           py::arg("damping"),
-          "The device with more viscous damping of the TCP's twist, (6,), axes of W, N s/m and N m s/rad.")
+          "Return the device with added viscous damping of the TCP's twist, (6,), axes of W, N s/m and N m s/rad.")
       .def("__repr__", [](const Device& self) {
         return "<enamel.Device \"" + self.mechanism->name() + "\", " + std::to_string(self.mechanism->joints()) +
                " joints>";

@@ -56,7 +56,7 @@ PushSetup setupOf(const PushOptions& options) {
   setup.force = options.maxForce;
   if (options.scene) {
     if (options.start || options.tip)
-      throw Error("a push into a scene has its own start and tool: start and tip are for the wall z = 0");
+      throw Error("start and tip are only for the wall z = 0: a scene has its own start and tool");
     if (options.scene->scene.obstacles().empty()) throw Error("the scene has no obstacle");
     setScene(*options.scene, setup);
   }
@@ -149,26 +149,25 @@ Push push(const Device& device, const py::object& renderer, const PushOptions& o
 }  // namespace
 
 void addPush(py::module_& m) {
-  py::class_<Push>(m, "Push", "What happened in a push.")
-      .def_readonly(
-          "ticks", &Push::ticks,
-          "A structured array, a row a tick, with units of SI: state and measurement before the tick's torque acts. "
-          "modes, statuses and guard_reasons have the names of the numbers.")
+  py::class_<Push>(m, "Push", "Result of a push: its ticks, metrics and verdict.")
+      .def_readonly("ticks", &Push::ticks,
+                    "Ticks as a structured array, one row a tick, SI units: state and measurement before the tick's "
+                    "torque acts. modes, statuses and guard_reasons give the names of the numbers.")
       .def_property_readonly(
           "metrics", [](const Push& self) { return dictOf(self.metrics); },
-          "By their symbols, SI; None where a push does not have one.")
+          "Metrics by their symbols, SI units; None if the push does not have one.")
       .def_property_readonly(
           "verdict", [](const Push& self) { return toString(self.metrics.verdict); },
-          "Whether the push has a first impact stiffness, or why not.")
-      .def_readonly("stopped", &Push::stopped, "Why the guard stopped the renderer; None: it did not.");
+          "Whether the push has a first-impact stiffness, or the reason why not.")
+      .def_readonly("stopped", &Push::stopped, "Reason why the guard stopped the renderer, or None.");
   const Keywords<PushOptions> keywords = pushKeywords();
   const std::string doc = keywords.documented(
       deviceAnd("renderer"), TypeName<Push>::text(),
-      "One push of a tool against a wall on the virtual device: z = 0, or the obstacle of a scene that is nearest to "
-      "its start; as enamel push. Scenario 1: a step of `force` (N) at 1 s; 2: a hand moves in. `delay`: smallest and "
-      "largest of the command, ticks; `model`: the Device that the loop takes `device` for. The same arguments give "
-      "the same bits. Raises Error: a value outside its range, a device that left its workspace; what a PythonRenderer "
-      "raises ends the push. The GIL is released.");
+      "Simulate one push of a tool against a wall on the virtual device, as enamel push does. The wall is z = 0, or "
+      "the obstacle of a scene that is nearest to its start. Scenario 1: a step of `force` (N) at 1 s; 2: a hand moves "
+      "into the wall. `delay`: smallest and largest delay of the command, ticks. `model`: the Device that renderer and "
+      "guard use instead of `device`. The same arguments give the same bits. Raises Error if a value is outside its "
+      "range or the device leaves its workspace, and any exception of a PythonRenderer. The GIL is released.");
   py::options help;
   help.disable_function_signatures();
   m.def(

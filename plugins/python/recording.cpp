@@ -102,22 +102,25 @@ void addRecording(py::module_& m) {
       .def(py::init(
                [](const py::object& path) { return std::make_unique<Recording>(py::str(path).cast<std::string>()); }),
            py::arg("path"),
-           "Opens it. Raises ConfigurationError: no recording, of another version, or its header is damaged.")
+           "Open a recording. Raises ConfigurationError if the file is not a recording, has another version, or its "
+           "header is damaged.")
       .def_property_readonly(
-          "device", [](const Recording& self) { return self.device(); }, "That it was made on.")
-      .def_property_readonly("scene", &Recording::scene, "What the tool could touch.")
+          "device", [](const Recording& self) { return self.device(); }, "Device of the recording.")
+      .def_property_readonly("scene", &Recording::scene, "Scene that the tool could touch.")
       .def_property_readonly(
-          "renderer", [](const Recording& self) { return self.header().renderer; }, "Its name.")
+          "renderer", [](const Recording& self) { return self.header().renderer; }, "Name of the renderer.")
       .def_property_readonly(
-          "parameters", [](const Recording& self) { return self.header().parameters; }, "Of the renderer.")
+          "parameters", [](const Recording& self) { return self.header().parameters; }, "Parameters of the renderer.")
       .def_property_readonly(
-          "period", [](const Recording& self) { return self.header().guard.period; }, "s.")
+          "period", [](const Recording& self) { return self.header().guard.period; }, "Period of the ticks, s.")
       .def("ticks", &Recording::ticks,
-           "All ticks as a structured array, a row a tick, SI; position and rotation by the device's kinematics, NaN "
-           "where it cannot be there. What was lost is missing: see `tick`. Raises Error: a chunk is damaged.")
+           "Return all ticks as a structured array, one row a tick, SI units. Position and rotation are the forward "
+           "kinematics, NaN without a solution. Lost ticks are missing: the column `tick` has the numbers. Raises "
+           "Error if a chunk is damaged.")
       .def("replay", &Recording::replayed, py::arg("renderer"),
-           "Runs another renderer, or the same, on what was measured, and compares all that it answers bit for bit: "
-           "ticks compared and different, largest differences of the torques (N m or N). Raises Error: as replay().");
+           "Run a renderer, the same or another one, on the recorded measurements and compare its answers bit for bit. "
+           "Return the numbers of compared and different ticks and the largest differences of the torques (N m or N). "
+           "Raises Error as enamel::replay() does.");
 }
 
 }  // namespace enamel::python

@@ -70,8 +70,8 @@ class ScriptedRenderer final : public Renderer {
     const Kinematics& k = input.kinematics;
     const bool done = attempt([&] {
       const Array torque = Array::ensure(self_->attr("render")(py::cast(input)));
-      if (!torque) throw py::type_error("render() must return the torque of every joint");
-      output.torque = joints(torque, static_cast<int>(k.q.size()), "what render() returned", "N m or N");
+      if (!torque) throw py::type_error("render() must return an array with the torque of every joint");
+      output.torque = joints(torque, static_cast<int>(k.q.size()), "the result of render()", "N m or N");
     });
     if (!done) return Status::notFinite;
     const Contact& deepest = input.contacts.contacts[0];
@@ -92,12 +92,13 @@ MakeRenderer makerOf(const py::object& renderer, const std::shared_ptr<Failure>&
   if (py::isinstance<RendererRecipe>(renderer)) return renderer.cast<const RendererRecipe&>().make;
   if (!PyCallable_Check(renderer.ptr()))
     throw py::type_error(
-        "a renderer is what enamel.position_control() and its like return, or a callable that makes a PythonRenderer");
+        "a renderer must be the result of enamel.position_control() or a similar function, or a callable that returns "
+        "a PythonRenderer");
   return [make = shared(renderer), failure]() -> std::unique_ptr<Renderer> {
     const py::gil_scoped_acquire acquire;
     py::object made = (*make)();
     if (py::isinstance<RendererRecipe>(made)) return made.cast<const RendererRecipe&>().make();
-    if (!py::hasattr(made, "render")) throw py::type_error("the callable made no PythonRenderer");
+    if (!py::hasattr(made, "render")) throw py::type_error("the callable must return a PythonRenderer");
     return std::make_unique<ScriptedRenderer>(shared(std::move(made)), failure);
   };
 }
@@ -115,8 +116,8 @@ RendererRecipe hold(const Device& device, double period, const std::optional<Eig
                     bool antiWindup) {
   const auto design = gain ? *gain : designServo(device.mechanism, Pose{}, period).K;
   if (design.rows() > kMaxJoints || design.cols() > 3 * kMaxJoints)
-    throw Error("a gain of " + std::to_string(design.rows()) + " x " + std::to_string(design.cols()) +
-                " is for no device");
+    throw Error("the gain is " + std::to_string(design.rows()) + " x " + std::to_string(design.cols()) +
+                ", must be n x 3n with n at most " + std::to_string(kMaxJoints));
   HoldOptions options;
   options.release = release;
   options.antiWindup = antiWindup;
@@ -156,16 +157,16 @@ RendererRecipe plugin(const py::object& path, const py::object& device, const st
 }
 
 void addTick(py::module_& m) {
-  py::class_<TickFrame>(m, "Tick", "What a renderer knows at a tick. SI; in W.")
-      .def_readonly("time", &TickFrame::time, "s, strictly increasing.")
-      .def_readonly("kinematics", &TickFrame::kinematics, "Measured; the inertia where needs_inertia is set.")
-      .def_readonly("max_torque", &TickFrame::maxTorque, "Limit of every motor, (n,), N m or N.")
-      .def_readonly(
-          "age", &TickFrame::age,
-          "Periods since the sample; 0: a new one. Above 0, kinematics and contacts are those of the last sample.")
+  py::class_<TickFrame>(m, "Tick", "Input of a renderer at a tick, SI units, in W.")
+      .def_readonly("time", &TickFrame::time, "Time, s, strictly increasing.")
+      .def_readonly("kinematics", &TickFrame::kinematics, "Measured kinematics; with inertia if needs_inertia is True.")
+      .def_readonly("max_torque", &TickFrame::maxTorque, "Limit of each motor, (n,), N m or N.")
+      .def_readonly("age", &TickFrame::age,
+                    "Periods since the sample; 0 for a new sample. Above 0, kinematics and contacts are those of the "
+                    "last sample.")
       .def_property_readonly(
           "applied", [](const TickFrame& self) { return self.applied.value_or(JointVector()); },
-          "Torque that acted since the last tick, (n,), N m or N; (0,): the device cannot tell.")
+          "Torque that acted since the last tick, (n,), N m or N; (0,) if the device does not report it.")
       .def_property_readonly(
           "contacts",
           [](const TickFrame& self) {
@@ -174,45 +175,44 @@ void addTick(py::module_& m) {
               rows.push_back(rowOf(0, self.contacts.contacts[static_cast<std::size_t>(i)]));
             return arrayOf(std::move(rows));
           },
-          "contact_dtype, the deepest first; within 1 mm.");
+          "Contacts with a gap of at most 1 mm, the deepest first (contact_dtype).");
 }
 
 }  // namespace
 
 void addRenderers(py::module_& m) {
   addTick(m);
-  py::class_<RendererRecipe>(m, "Renderer", "How to make a renderer: every run makes its own.")
+  py::class_<RendererRecipe>(m, "Renderer", "Recipe of a renderer: every run makes its own renderer from it.")
       .def_readonly("name", &RendererRecipe::name)
       .def("__repr__", [](const RendererRecipe& self) { return "<enamel.Renderer \"" + self.name + "\">"; });
   m.def("position_control", &positionControl, py::arg("device"), py::arg("period") = 1e-3,
         py::arg("delay") = Delays{0, 0}, py::arg("plant") = kClosedForm,
-        "The contact-space servo: it pushes and never pulls, lets the tool slide. `delay`: smallest and largest of the "
-        "command, ticks; `plant`: as of push(), whose drives it is told of; \"imperfect\" for a real device. Raises "
-        "Error: a number outside its range; an unknown plant.");
+        "Return the contact-space servo. It pushes, never pulls, and lets the tool slide. `delay`: smallest and "
+        "largest delay of the command, ticks. `plant`: as in push(); the servo takes the plant's drives into account; "
+        "use \"imperfect\" for a real device. Raises Error if a number is outside its range or the plant is unknown.");
   m.def("hold", &hold, py::arg("device"), py::arg("period") = 1e-3, py::arg("gain") = py::none(),
         py::arg("release") = true, py::arg("anti_windup") = false,
-        "The paper's controller: once the tool touches, a servo holds it there. `gain`, (n, 3n): of design_servo(), by "
-        "default "
-        "designed at home. Raises Error: a gain that is not n x 3n or not finite; DesignError.");
+        "Return the paper's controller: from the first touch on, a servo holds the tool there. `gain`, (n, 3n), is "
+        "that of design_servo(), by default designed at home. Raises Error if the gain is not n x 3n or not finite, "
+        "and DesignError.");
   m.def("impedance", &impedance, py::arg("stiffness") = 6000.0, py::arg("damping") = 0.0,
-        "The conventional wall: a spring (N/m) and a damper (N s/m) along the contact's normal. Raises Error: one that "
-        "is negative or not finite.");
-  m.def(
-      "passivity", &passivity, py::arg("stiffness") = 6000.0, py::arg("damping") = 0.0, py::arg("memory") = false,
-      "The impedance wall under a time-domain passivity controller; with `memory` a depth gives back only what it has "
-      "taken. Raises Error as impedance().");
+        "Return the conventional wall: a spring (N/m) and a damper (N s/m) along the contact's normal. Raises Error if "
+        "one is negative or not finite.");
+  m.def("passivity", &passivity, py::arg("stiffness") = 6000.0, py::arg("damping") = 0.0, py::arg("memory") = false,
+        "Return the impedance wall with time-domain passivity control. With `memory`, each depth returns only the "
+        "energy that it has received. Raises Error as impedance() does.");
   m.def("virtual_coupling", &virtualCoupling, py::arg("stiffness") = 3000.0, py::arg("damping") = 2.0,
         py::arg("mass") = 0.02,
-        "A tool of the program's own (kg) touches the wall, and a spring (N/m) and a damper (N s/m) tie the device to "
-        "it. Raises Error: a number that is not positive or not finite.");
+        "Return a virtual coupling: a virtual tool (kg) touches the wall; a spring (N/m) and a damper (N s/m) couple "
+        "the device to it. Raises Error if a number is not positive or not finite; the damping may be 0.");
   m.def(
       "plugin",
       [](const py::object& path, const py::object& device, const py::kwargs& parameters) {
         return plugin(path, device, parameters.cast<std::map<std::string, py::object>>());
       },
       py::arg("path"), py::arg("device") = py::none(),
-      "A renderer plugin by its file; `device`: path of the device file; further parameters are the plugin's. Raises "
-      "PluginError: it cannot be loaded, or refuses the configuration.");
+      "Return a renderer from a plugin file. `device`: path of the device file; further parameters are the plugin's. "
+      "Raises PluginError if it cannot be loaded or refuses the configuration.");
 }
 
 }  // namespace enamel::python

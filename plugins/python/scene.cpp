@@ -96,7 +96,7 @@ Keywords<MeshOptions> meshKeywords() {
 std::shared_ptr<const MeshModel> modelOf(const Array& vertices, const Triangles& triangles) {
   requireShape(vertices, "vertices", {-1, 3}, "m");
   if (triangles.ndim() != 2 || triangles.shape(1) != 3)
-    throw py::value_error("triangles must have the shape (n, 3): numbers of vertices");
+    throw py::value_error("triangles must have the shape (n, 3) and contain numbers of vertices");
   TriangleMesh mesh;
   mesh.vertices.resize(static_cast<std::size_t>(vertices.shape(0)));
   mesh.triangles.resize(static_cast<std::size_t>(triangles.shape(0)));
@@ -112,15 +112,15 @@ const MeshModel& meshAt(const SceneFile& file, int obstacle) {
   const auto* const model = there ? std::get_if<std::shared_ptr<const MeshModel>>(
                                         &file.scene.obstacles()[static_cast<std::size_t>(obstacle)].shape)
                                   : nullptr;
-  if (model == nullptr) throw Error("obstacle " + std::to_string(obstacle) + " is no mesh");
+  if (model == nullptr) throw Error("obstacle " + std::to_string(obstacle) + " is not a mesh");
   return **model;
 }
 
 void setTool(SceneFile& file, const std::vector<std::tuple<Array, Array, double>>& parts) {
   Tool tool;
   if (parts.size() > kMaxToolParts)
-    throw Error("a tool has " + std::to_string(parts.size()) + " parts, at most " + std::to_string(kMaxToolParts) +
-                " can be");
+    throw Error("the tool has " + std::to_string(parts.size()) + " parts, must have at most " +
+                std::to_string(kMaxToolParts));
   tool.count = static_cast<int>(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i)
     tool.parts[i] = {vec3(std::get<0>(parts[i]), "an end of a part", "m"),
@@ -137,15 +137,16 @@ void addObstacles(SceneClass& scene) {
           [](SceneFile& self, const std::string& name, const Array& point, const Array& normal, double stiffness,
              double friction) {
             const Vec3 n = vec3(normal, "normal", "outward, of any length");
-            if (!(n.norm() > 0.0) || !n.allFinite()) throw py::value_error("normal has no direction");
+            if (!(n.norm() > 0.0) || !n.allFinite())
+              throw py::value_error("the length of normal is zero or not finite: it must define a direction");
             Obstacle wall = halfSpace(name, vec3(point, "point", "m"), n.normalized());
             wall.material = materialOf(stiffness, friction);
             return self.scene.add(std::move(wall));
           },
           py::arg("name"), py::arg("point") = py::make_tuple(0.0, 0.0, 0.0),
           py::arg("normal") = py::make_tuple(0.0, 0.0, 1.0), py::arg("stiffness") = rigid, py::arg("friction") = 0.0,
-          "Half space behind the plane through `point` (m, W) with the outward normal `normal`. Returns its number. "
-          "Raises Error: a name that is empty or taken.")
+          "Add the half space behind the plane through `point` (m, W) with the outward normal `normal` and return its "
+          "number. Raises Error if the name is empty or already used.")
       .def(
           "add_sphere",
           [](SceneFile& self, const std::string& name, const Array& centre, double radius, double stiffness,
@@ -153,7 +154,8 @@ void addObstacles(SceneClass& scene) {
             return addObstacle(self, name, Sphere{radius}, poseOf(centre, {}), materialOf(stiffness, friction));
           },
           py::arg("name"), py::arg("centre"), py::arg("radius"), py::arg("stiffness") = rigid,
-          py::arg("friction") = 0.0, "Solid ball, m. Returns its number. Raises Error: a shape without size.")
+          py::arg("friction") = 0.0,
+          "Add a ball with centre and radius in m and return its number. Raises Error if the size is not positive.")
       .def(
           "add_box",
           [](SceneFile& self, const std::string& name, const Array& centre, const Array& size,
@@ -163,7 +165,8 @@ void addObstacles(SceneClass& scene) {
           },
           py::arg("name"), py::arg("centre"), py::arg("size"), py::arg("rotation") = py::none(),
           py::arg("stiffness") = rigid, py::arg("friction") = 0.0,
-          "Solid box about `centre` with edges of `size`, m. Returns its number. Raises Error: a shape without size.");
+          "Add a box about `centre` with edges of `size`, m, and return its number. Raises Error if a size is not "
+          "positive.");
 }
 
 void addMeshObstacle(SceneClass& scene) {
@@ -172,9 +175,9 @@ void addMeshObstacle(SceneClass& scene) {
       "self: " + TypeName<SceneFile>::text() + ", name: str, vertices: " + TypeName<Array>::text() +
           ", triangles: numpy.ndarray[numpy.int32]",
       "int",
-      "Triangle mesh: vertices (n, 3), m, in the mesh's own frame; triangles (m, 3), numbers of vertices, "
-      "counterclockwise seen from outside; copied. Thickness above 0: the mesh is the middle of a sheet. Returns its "
-      "number. Raises Error with the number of the vertex or triangle.");
+      "Add a triangle mesh and return its number. Vertices (n, 3), m, are in the mesh's own frame; triangles (m, 3) "
+      "are numbers of vertices, counterclockwise seen from outside. Both are copied. With a thickness above 0, the "
+      "mesh is the middle of a sheet. Raises Error with the number of the vertex or triangle.");
   py::options help;
   help.disable_function_signatures();
   scene.def(
@@ -199,11 +202,13 @@ void addMeshes(SceneClass& scene) {
                 view(mesh.triangles.front().data(), {static_cast<py::ssize_t>(mesh.triangles.size()), 3}, self));
           },
           py::arg("obstacle"),
-          "Vertices (n, 3), m, and triangles (m, 3) of a mesh, without a copy; they cannot be written. Raises Error: "
-          "the obstacle is no mesh.")
+          "Return vertices (n, 3), m, and triangles (m, 3) of a mesh as read-only views. Raises Error if the obstacle "
+          "is not a mesh.")
       .def(
           "describe", [](const SceneFile& self, int obstacle) { return describe(meshAt(self, obstacle)); },
-          py::arg("obstacle"), "What a mesh is and what that means for the sign of its distances, in one line.")
+          py::arg("obstacle"),
+          "Describe the defects of a mesh and how the sign of its distances is computed, in one line. Raises Error if "
+          "the obstacle is not a mesh.")
       .def(
           "move",
           [](SceneFile& self, int obstacle, const Array& position, const std::optional<Array>& rotation,
@@ -213,19 +218,20 @@ void addMeshes(SceneClass& scene) {
                     "obstacle " + std::to_string(obstacle));
           },
           py::arg("obstacle"), py::arg("position"), py::arg("rotation") = py::none(), py::arg("twist") = py::none(),
-          "Moves an obstacle. Raises Error: a number that no obstacle has.");
+          "Move an obstacle. Raises Error if the number of the obstacle is unknown.");
 }
 
 void addQueries(SceneClass& scene) {
   scene
       .def("contacts", &contactsOf, py::arg("positions"), py::arg("rotations") = py::none(), py::arg("margin") = 1e-3,
            py::arg("follow") = false,
-           "All contacts whose gap is at most `margin` (m) at each pose: positions (n, 3), m, rotations (n, 3, 3). A "
-           "structured array (contact_dtype), a row a contact: `pose` is the number of the pose; of one pose the "
-           "deepest comes first. With `follow` the tool moves from pose to pose and is let through no wall, however "
-           "thin. Raises Error: a pose that is not finite. The GIL is released.")
+           "Return all contacts with a gap of at most `margin` (m) at each pose: positions (n, 3), m, rotations (n, 3, "
+           "3). The result is a structured array (contact_dtype), one row a contact; `pose` is the number of the pose. "
+           "The deepest contact of a pose comes first. With `follow`, the tool moves from pose to pose and cannot "
+           "tunnel through thin walls. Raises Error if a pose is not finite. The GIL is released.")
       .def("nearest", &nearestOf, py::arg("positions"), py::arg("rotations") = py::none(),
-           "The contact of smallest gap, near or far, at each pose: contact_dtype, (n,). The GIL is released.");
+           "Return the contact with the smallest gap, at any distance, at each pose: contact_dtype, (n,). The GIL is "
+           "released.");
 }
 
 void addMeshFile(py::module_& m) {
@@ -240,8 +246,8 @@ void addMeshFile(py::module_& m) {
             view(kept.triangles.front().data(), {static_cast<py::ssize_t>(kept.triangles.size()), 3}, owner));
       },
       py::arg("path"), py::arg("scale") = 1.0,
-      "Reads a mesh file (.ply, .obj, .stl, .off): vertices (n, 3), m, and triangles (m, 3), without a copy. `scale`: "
-      "m per unit of the file. Raises ConfigurationError with the file and the number of the vertex, face or line.");
+      "Read a mesh file (.ply, .obj, .stl, .off) and return vertices (n, 3), m, and triangles (m, 3). `scale`: metres "
+      "per unit of the file. Raises ConfigurationError with the file and the number of the vertex, face or line.");
 }
 
 }  // namespace
@@ -250,7 +256,7 @@ void addScene(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(ContactRow, pose, obstacle, part, triangle, feature, gap, point, normal, velocity);
   m.attr("contact_dtype") = py::dtype::of<ContactRow>();
   SceneClass scene(m, "Scene",
-                   "What the tool is, where it begins and what it can touch. Obstacles are numbered from 0.");
+                   "The tool, its start, and the obstacles that it can touch. Obstacles are numbered from 0.");
   scene
       .def(py::init([](const py::object& path) {
              if (path.is_none()) return std::make_shared<SceneFile>();
@@ -259,13 +265,14 @@ void addScene(py::module_& m) {
              return std::make_shared<SceneFile>(loadScene(file));
            }),
            py::arg("path") = py::none(),
-           "Reads a scene file (TOML); without one an empty scene, whose tool is a point at the TCP. Raises "
+           "Read a scene file (TOML). Without a path, make an empty scene whose tool is a point at the TCP. Raises "
            "ConfigurationError with file, line, key, value and limit.")
       .def_property_readonly(
-          "name", [](const SceneFile& self) { return self.name; }, "As the file has it.")
+          "name", [](const SceneFile& self) { return self.name; }, "Name in the scene file.")
       .def_property_readonly(
           "notes", [](const SceneFile& self) { return self.notes; },
-          "One line for each mesh whose inside is not certain.")
+          "Notes about the obstacles, one line each: meshes whose inside is not certain, improbable sizes, cells "
+          "larger than the tool.")
       .def_property_readonly(
           "obstacles",
           [](const SceneFile& self) {
@@ -273,14 +280,15 @@ void addScene(py::module_& m) {
             for (const Obstacle& obstacle : self.scene.obstacles()) names.push_back(obstacle.name);
             return names;
           },
-          "Their names, by number.")
+          "Names of the obstacles, by number.")
       .def_property(
           "start", [](const SceneFile& self) { return self.start; },
           [](SceneFile& self, const Array& start) { self.start = vec3(start, "start", "m"); },
-          "Of the TCP in W, (3,), m; the tool does not touch there.")
+          "Start of the TCP in W, (3,), m. The tool does not touch there.")
       .def("set_tool", &setTool, py::arg("parts"),
-           "Makes the tool of capsules: (end, end, radius), in the platform's frame, m; a sphere where both ends are "
-           "the same, a point where the radius is 0. Raises Error: more than 8 parts, an end or radius beyond 1 m.");
+           "Make the tool of capsules (end, end, radius) in the platform's frame, m. A capsule with equal ends is a "
+           "sphere; with a radius of 0 it is a point. Raises Error for more than 8 parts, or an end or radius above 1 "
+           "m.");
   addObstacles(scene);
   addMeshObstacle(scene);
   addMeshes(scene);

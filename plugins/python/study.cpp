@@ -136,9 +136,10 @@ py::list wallsOf(const Study& study) {
 
 void addStudy(py::module_& m) {
   py::class_<Study>(m, "Study", "The runs of a Monte Carlo study over a wall.")
-      .def_property_readonly("runs", &runsOf,
-                             "A structured array, a row a run: who it was (`renderer` is a number in `renderers`), and "
-                             "the metrics by their symbols, SI, NaN where a run does not have one.")
+      .def_property_readonly(
+          "runs", &runsOf,
+          "Runs as a structured array, one row a run. Columns: scenario, renderer (a number in `renderers`), point, "
+          "run, and the metrics by their symbols, SI units. A metric is NaN if the run does not have it.")
       .def_property_readonly(
           "renderers",
           [](const Study& self) {
@@ -146,24 +147,26 @@ void addStudy(py::module_& m) {
             for (const StudyColumn& column : self.plan.columns) names.push_back(column.name);
             return names;
           },
-          "Their names, by number.")
-      .def_property_readonly(
-          "walls", &wallsOf,
-          "What holds over the wall for each scenario and renderer; \"lowest\" and \"highest\" are of the points' "
-          "means, SI.")
+          "Names of the renderers, by number.")
+      .def_property_readonly("walls", &wallsOf,
+                             "Results over the wall for each scenario and renderer, SI units. \"lowest\" and "
+                             "\"highest\" are of the points' means.")
       .def(
           "point",
           [](const Study& self, std::size_t number) {
-            if (number >= self.plan.points()) throw py::index_error("the study has no such point");
+            if (number >= self.plan.points())
+              throw py::index_error("point " + std::to_string(number) + " does not exist, the study has " +
+                                    std::to_string(self.plan.points()) + " points");
             return queryPoint(self.plan, number);
           },
-          py::arg("number"), "Query point by its number, (3,), m.");
+          py::arg("number"), "Return the query point with a number, (3,), m. Raises IndexError.");
   const Keywords<StudyOptions> keywords = studyKeywords();
   const std::string doc = keywords.documented(
       "device: " + TypeName<Device>::text() + ", renderers: Dict[str, object]", TypeName<Study>::text(),
-      "Monte Carlo over a wall: grid x grid points, `runs` a point, scenario by scenario. `renderers`: by name, a "
-      "renderer or a pair of it and its own Device. The numbers do not depend on `threads` (0: all that there are). "
-      "Raises Error: a value outside its range, a point that a device cannot reach. The GIL is released.");
+      "Perform a Monte Carlo study over a wall: grid x grid points, `runs` runs at each point and scenario. "
+      "`renderers`: names with a renderer, or a pair of a renderer and its own Device. The numbers do not depend on "
+      "`threads` (0: all processors). Raises Error if a value is outside its range or a device cannot reach a point. "
+      "The GIL is released.");
   py::options help;
   help.disable_function_signatures();
   m.def(

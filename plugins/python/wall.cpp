@@ -106,16 +106,17 @@ py::list trials(const Device& device, const py::object& renderer, const TrialOpt
 void addWall(py::module_& m) {
   const Keywords<JudgeOptions> ofJudge = judgeKeywords();
   const Keywords<TrialOptions> ofTrials = trialKeywords();
-  const std::string judgeDoc = ofJudge.documented(
-      deviceAnd("renderer"), "dict",
-      "How a renderer does on pushes, ramps and impacts at five points of a wall, with encoders rounded and forces "
-      "within the motors': stiffness (N/m), shares of the physical limit, chatter (N m or N), bounce, ramp, impact and "
-      "deepest (m), runs that were lost or have no stiffness. Raises Error. The GIL is released.");
-  const std::string trialsDoc = ofTrials.documented(
-      deviceAnd("renderer"), "list",
-      "What people do to a wall besides one push: step, ramp, impact, release, slide, corner, pulse, overload; those "
-      "whose name contains `filter`. A list of figures, each the worst of its runs. Raises Error. The GIL is "
-      "released.");
+  const std::string judgeDoc =
+      ofJudge.documented(deviceAnd("renderer"), "dict",
+                         "Evaluate a renderer in simulated pushes, ramps and impacts at five points of a wall, with "
+                         "encoders and with forces within the motors' limits. Return stiffness (N/m), shares of the "
+                         "physical limit, chatter (N m or N), and bounce, ramp, impact and deepest (m). Also return "
+                         "the numbers of runs that were lost or have no stiffness. Raises Error. The GIL is released.");
+  const std::string trialsDoc =
+      ofTrials.documented(deviceAnd("renderer"), "list",
+                          "Simulate what people do with a wall: step, ramp, impact, release, slide, corner, pulse, "
+                          "overload. Only tasks whose name contains `filter` are run. Return a list of figures, each "
+                          "of the worst run. Raises Error. The GIL is released.");
   py::options help;
   help.disable_function_signatures();
   m.def(

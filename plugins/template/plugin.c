@@ -13,8 +13,8 @@
 /* ---- description ---- */
 
 static const EnamelParameter kParameters[] = {
-    {"stiffness", "2000", "of the wall, N/m"},
-    {"damping", "2", "of the wall against the tool moving in, N s/m"},
+    {"stiffness", "2000", "stiffness of the wall, N/m"},
+    {"damping", "2", "damping of the wall while the tool moves in, N s/m"},
 };
 
 static const EnamelDescription kDescription = {

@@ -108,8 +108,8 @@ TEST_CASE("case 08: a study writes into a folder with results only with --resume
   refused("--runs 2", exists);
   refused("--runs 3 --resume", "out/study.json: holds another study: its runs is 2, here it is 3");
   refused("--runs 3 --part 1/2", "out/study.json: holds another study: its runs is 2, here it is 3");
-  refused("--runs 3 --overwrite --resume", "--overwrite starts again: it excludes --resume and --part");
-  refused("--runs 3 --overwrite --part 1/2", "--overwrite starts again: it excludes --resume and --part");
+  refused("--runs 3 --overwrite --resume", "--overwrite starts again and excludes --resume and --part");
+  refused("--runs 3 --overwrite --part 1/2", "--overwrite starts again and excludes --resume and --part");
   for (const char* again : {"--runs 2 --resume", "--runs 2 --overwrite"}) {  // the same study gives the same bytes
     CHECK(run(study + again).status == 0);
     CHECK(contentOf(folder / "out") == before);

@@ -352,7 +352,7 @@ TEST_CASE("devices that do not fit are refused, with their names", "[chai3d]") {
   using test::ContainsSubstring;
   const auto three = device("cartesian-3"), six = device("cartesian-6"), tau = device("tau-nominal");
   const auto driver = std::make_shared<Driver>(*three);
-  CHECK_THROWS_WITH(Chai3dDevice(nullptr, *three), ContainsSubstring("no haptic device"));
+  CHECK_THROWS_WITH(Chai3dDevice(nullptr, *three), ContainsSubstring("the haptic device is missing"));
   CHECK_THROWS_WITH(Chai3dDevice(driver, *six),
                     ContainsSubstring("driver") && ContainsSubstring("6 axes") && ContainsSubstring("Cartesian, 6"));
   if (tau->joints() != 6) CHECK_THROWS_WITH(Chai3dDevice(driver, *tau), ContainsSubstring("joints, must have 3 or 6"));
@@ -389,8 +389,9 @@ TEST_CASE("meshes that are none, and a tool that cannot start, are refused", "[c
   Chai3dTool alone(&bench.world, *mechanism, spring, guardFor(*mechanism, 1e-3));
   CHECK_THROWS_WITH(alone.addMesh(&box), ContainsSubstring("setHapticDevice()"));
   CHECK(!alone.start());
-  CHECK_THROWS_WITH(bench.tool.addMesh(static_cast<cMesh*>(nullptr)), ContainsSubstring("no mesh"));
-  CHECK_THROWS_WITH(bench.tool.addMesh(static_cast<chai3d::cMultiMesh*>(nullptr)), ContainsSubstring("no mesh"));
+  CHECK_THROWS_WITH(bench.tool.addMesh(static_cast<cMesh*>(nullptr)), ContainsSubstring("the mesh to add is missing"));
+  CHECK_THROWS_WITH(bench.tool.addMesh(static_cast<chai3d::cMultiMesh*>(nullptr)),
+                    ContainsSubstring("the mesh to add is missing"));
   CHECK_THROWS_WITH(bench.tool.addMesh(&empty), ContainsSubstring("hollow") && ContainsSubstring("triangle"));
   CHECK_THROWS_WITH(bench.tool.addMesh(&astray),
                     ContainsSubstring("astray") && ContainsSubstring("triangle 0") && ContainsSubstring("vertex 3"));

@@ -164,7 +164,7 @@ struct Refusals {
     if (kUsed.count(name) > 0) return;
     INFO(name);
     CHECK(function(unit.instance(), Parameters{}...) == fmi::error);
-    CHECK(unit.problem() == name + ": this unit does not have it");
+    CHECK(unit.problem() == name + ": not supported by this unit");
     ++count;
   }
   template <typename Result, typename... Parameters>
@@ -332,7 +332,7 @@ TEST_CASE("fmi: outputs follow from inputs without a step, and what is wrong is 
   CHECK(renderer.get("requested") == first);
 
   CHECK(renderer.step(0.4, 2e-3) == fmi::error);
-  CHECK(renderer.problem().find("a step of 0.002") == 0);
+  CHECK(renderer.problem().find("the step is 0.002") == 0);
   CHECK(renderer.set("torque", q.data()) == fmi::error);
   CHECK(renderer.problem() == "torque cannot be set now");
   q.x() = std::nan("");
@@ -343,9 +343,9 @@ TEST_CASE("fmi: outputs follow from inputs without a step, and what is wrong is 
   const auto get = renderer.call<fmi::Get<double>>("fmi3GetFloat64");
   CHECK(get(renderer.instance(), &wrong, 1, &value, 1) == fmi::error);
   CHECK(get(renderer.instance(), &mode, 1, &value, 1) == fmi::error);
-  CHECK(renderer.problem() == "mode is of another type");
+  CHECK(renderer.problem() == "mode has another type");
   CHECK(renderer.instantiate("{another}") == nullptr);
-  CHECK(renderer.problem().find("are not those that modelDescription.xml was written for") != std::string::npos);
+  CHECK(renderer.problem().find("do not match modelDescription.xml") != std::string::npos);
 }
 
 TEST_CASE("fmi: a unit exports every function of the standard, and refuses those that it has no use for", "[fmi]") {
@@ -398,7 +398,7 @@ TEST_CASE("fmi: every plant comes back to a saved state bit for bit", "[fmi]") {
     }
     CHECK(plant.call<fmi::FreeState>("fmi3FreeFMUState")(plant.instance(), &state) == fmi::ok);
     CHECK(plant.call<fmi::SetState>("fmi3SetFMUState")(plant.instance(), state) == fmi::error);
-    CHECK(plant.problem() == "there is no state");
+    CHECK(plant.problem() == "the state is missing (NULL)");
   }
 }
 
@@ -510,13 +510,15 @@ TEST_CASE("fmi: broken units are refused with their reason", "[fmi]") {
   };
   write(path, good);
   CHECK(reasonOf(path, device).empty());
-  CHECK(described("fmiVersion=\"3.0\"", "fmiVersion=\"2.0\"") == "is of FMI \"2.0\", must be 3.0");
-  CHECK(described("<CoSimulation ", "<ModelExchange ") == "is no unit of co-simulation");
+  CHECK(described("fmiVersion=\"3.0\"", "fmiVersion=\"2.0\"") == "has the FMI version \"2.0\", must be 3.0");
+  CHECK(described("<CoSimulation ", "<ModelExchange ") == "does not support co-simulation");
   CHECK(described("name=\"torque\"", "name=\"tau\"") == "has no input torque of 6 numbers");
   CHECK(described("name=\"position\"", "name=\"place\"") == "has no output position of 3 numbers");
-  CHECK(described("name=\"orientation\"", "name=\"attitude\"") == "has no output orientation, and the device turns");
-  CHECK(described("name=\"rates\"", "name=\"speeds\"") == "has one of the outputs q and rates, must have both or none");
-  CHECK(described("name=\"velocity\" valueReference=\"6\" description=\"Of the TCP, W\" causality=\"output\"",
+  CHECK(described("name=\"orientation\"", "name=\"attitude\"") ==
+        "needs an output orientation, because the device turns");
+  CHECK(described("name=\"rates\"", "name=\"speeds\"") ==
+        "has one of the outputs q and rates, must have both or neither");
+  CHECK(described("name=\"velocity\" valueReference=\"6\" description=\"Velocity of the TCP, W\" causality=\"output\"",
                   "name=\"velocity\" valueReference=\"6\" causality=\"local\"") ==
         "variable velocity has the causality \"local\", must be output");
   CHECK(described("<Dimension start=\"6\"", "<Dimension start=\"5\"") == "variable torque has 5 numbers, must have 6");
@@ -541,16 +543,16 @@ TEST_CASE("fmi: broken units are refused with their reason", "[fmi]") {
   CHECK(refusal(files).find("cannot be instantiated: ") == 0);
   files = good;
   files["../outside"] = "";
-  CHECK(refusal(files) == "holds \"../outside\", which leads out of it");
+  CHECK(refusal(files) == "holds \"../outside\", a path outside of the archive");
   test::writeFile(path, "no archive");
-  CHECK(reasonOf(path, device).find(path + ": is no archive that can be opened: ") == 0);
-  CHECK(reasonOf(folder / "absent.fmu", device).find("is no archive that can be opened: ") != std::string::npos);
+  CHECK(reasonOf(path, device).find(path + ": cannot open the archive: ") == 0);
+  CHECK(reasonOf(folder / "absent.fmu", device).find("cannot open the archive: ") != std::string::npos);
   CHECK(reasonOf(unitOf(folder, "delta.toml", ""), device) ==
         folder / "plant.fmu" + ": variable torque has 3 numbers, must have 6");
 
   const test::CommandResult pushed = test::run("push --device " + kDevices + file + " --plant " + path);
   CHECK(pushed.status == 1);
-  CHECK(pushed.output.find("is no archive that can be opened") != std::string::npos);
+  CHECK(pushed.output.find("cannot open the archive") != std::string::npos);
 }
 
 TEST_CASE("fmi: the command writes units and says what it cannot", "[fmi]") {
@@ -569,8 +571,8 @@ TEST_CASE("fmi: the command writes units and says what it cannot", "[fmi]") {
           nearestContact(scene.scene, scene.tool, pose, nullptr).gap);
   }
   for (const auto& [options, reason] :
-       std::map<std::string, std::string>{{" --scene x.toml", "--scene and --set are of a renderer"},
-                                          {" --renderer wood", "no plugin"},
+       std::map<std::string, std::string>{{" --scene x.toml", "--scene and --set need --renderer"},
+                                          {" --renderer wood", "unknown plugin \"wood\""},
                                           {" --renderer impedance --period 1", "0.1"},
                                           {" --plant wood", "wood"},
                                           {" --substeps 0", "--substeps is 0"}}) {

@@ -154,7 +154,7 @@ TEST_CASE("a small study through plugins writes the same runs as the linked rend
                     ENAMEL_PLUGINS "/enamel_impedance.so --set delay-high=1")
               .status == 0);
   CHECK_THAT(test::run(common + (folder / "typo") + "' --renderers template --set relase=off").output,
-             ContainsSubstring("relase, which no plugin"));
+             ContainsSubstring("relase, which is not a parameter of any plugin"));
   const std::string linked = test::readFile(folder / "linked/runs.csv");
   CHECK(std::count(linked.begin(), linked.end(), '\n') == 2 * 2 * 4 * 2 + 1);
   std::string plugins = test::readFile(folder / "plugins/runs.csv");
@@ -256,7 +256,7 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
     CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup),
                       ContainsSubstring("bad.json") && ContainsSubstring(reason));
   };
-  refuse("nonsense", "is not the JSON of a servo design");
+  refuse("nonsense", "must be the JSON file of a servo design");
   refuse(R"({"model": "a", "period": 0.001})", "K: is missing");
   refuse(R"({"model": "a", "period": 0, "K": [[1, 2, 3]]})", "period: is 0, must be in 1e-05 to 0.1 s");
   refuse(R"({"model": "a", "period": 0.001, "K": [[1, 2]]})", "K[0]: must be a list of 3 numbers");
@@ -277,7 +277,7 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   }
   setup.parameters = {{"gain", folder / "servo.json"}};
   CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup),
-                    ContainsSubstring("gain: is of mode hold, mode surface needs no file"));
+                    ContainsSubstring("gain: is only for mode hold: mode surface does not need a file"));
   for (const auto& [key, value, reason] : {std::tuple{"mode", "rubber", "is \"rubber\", must be surface or hold"},
                                            {"delay", "0.5", "delay: is 0.5, must be a whole number of ticks"},
                                            {"delay", "9", "delay: is 9, must be in 0 to 8 ticks"},

@@ -228,7 +228,7 @@ TEST_CASE("cartesian: a bad file is refused with file, line, key, value and limi
                  "device.toml:1: kind: is \"delta\", must be \"cartesian\" here");
   requireRefused("axes = 6", "axes = 4", "device.toml:3: axes: is 4, must be 3 or 6");
   requireRefused("axes = 6", "axes = 3",
-                 "device.toml:6: max_moment: stands beside axes = 3: only a device of 6 axes turns");
+                 "device.toml:6: max_moment: is not allowed with axes = 3: only a device of 6 axes turns");
   requireRefused("0.2, 0.3]", "0, 0.3]", "device.toml:4: half_widths[1]: is 0, must be greater than 0 m and finite");
   requireRefused("max_force = 20", "max_force = -20",
                  "device.toml:5: max_force: is -20, must be greater than 0 N and finite");
@@ -246,9 +246,10 @@ TEST_CASE("cartesian: a bad file is refused with file, line, key, value and limi
   requireRefused("[4e-4, 4e-4, 2e-4]", "[4e-4, 4e-4, 0]",
                  "device.toml:11: platform.inertia: has the principal moment 0, must be greater than 0 kg m^2 for a "
                  "device of 6 axes");
-  requireRefused("[4e-4, 4e-4, 2e-4]", "[4e-5, 4e-5, 1e-4]",
-                 "device.toml:11: platform.inertia: is that of no body: the largest principal moment 1e-04 exceeds the "
-                 "sum of the others, 8e-05 kg m^2");
+  requireRefused(
+      "[4e-4, 4e-4, 2e-4]", "[4e-5, 4e-5, 1e-4]",
+      "device.toml:11: platform.inertia: is physically impossible: the largest principal moment is 1e-04, must "
+      "be at most the sum of the others, 8e-05 kg m^2");
   CartesianParameters device = shipped(3);
   device.axes = 5;
   CHECK_THROWS_WITH(CartesianMechanism(device), "device \"Cartesian, 3 axes\": axes: is 5, must be 3 or 6");
@@ -279,7 +280,7 @@ TEST_CASE("axes without a motor are sensed and not driven", "[cartesian]") {
   };
   refuses("driven = [1, 1, 1]", "has 3 numbers, must have one for each of the 6 axes");
   refuses("driven = [1, 1, 1, 0, 0, 0.5]", "must be 1 (the axis has a motor) or 0");
-  refuses("driven = [0, 0, 0, 0, 0, 0]", "names no axis with a motor");
+  refuses("driven = [0, 0, 0, 0, 0, 0]", "is 0 for every axis, at least one must be 1 (with a motor)");
   refuses("driven = [1, 1, 1, 0, 0, 1]", "max_moment");
 }
 
@@ -316,8 +317,8 @@ TEST_CASE("an apparent mass that depends on the position", "[cartesian]") {
     REQUIRE_THROWS_WITH(parseCartesian(stylusFile("max_moment = 1.0", platform), "stylus.toml"),
                         test::ContainsSubstring(words));
   };
-  refuses("mass = 0.1\n" + table, "is given beside mass_table");
-  refuses("mass_counts = [2, 2, 3]\nmass_table = [0.1, 0.1]", "has 2 masses, mass_counts asks for 12");
+  refuses("mass = 0.1\n" + table, "is given together with mass_table");
+  refuses("mass_counts = [2, 2, 3]\nmass_table = [0.1, 0.1]", "has 2 masses, must have the 12 of mass_counts");
   refuses("mass_counts = [1, 2, 2]\nmass_table = [0.1, 0.1]", "whole numbers in 2 to 64");
   refuses("mass_counts = [2, 2, 2]\nmass_table = [0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, -0.1]", "greater than 0 kg");
 }

@@ -55,11 +55,11 @@ TEST_CASE("compare: a table, a column a renderer, and what it refuses", "[compar
     CHECK_THAT(result.output, ContainsSubstring(part));
   CHECK_THAT(result.output, !ContainsSubstring("overload"));
   for (const auto& [arguments, message] :
-       {std::pair{"--tasks wish", "no task matches --tasks wish: there are push, step, ramp"},
-        {"--tasks push", "add --output"},
+       {std::pair{"--tasks wish", "no task matches --tasks wish: must be part of the name of a task: push, step, ramp"},
+        {"--tasks push", "give --output"},
         {"--renderers wish", "wish"},
         {"--renderers missing.json", "missing.json"},
-        {"--set a=b", "--set gives a, which no plugin of --renderers has"},
+        {"--set a=b", "--set gives a, which is not a parameter of any plugin in --renderers"},
         {"--delays later", "--delay is \"later\""},
         {"--plants wish", "--plants"},
         {"--inertia 0", "the inertia is 0"},
@@ -142,7 +142,7 @@ TEST_CASE("the names of files and devices are text on every page", "[compare_com
     std::filesystem::copy_file(servoFile("tau-hold-0.json"), path);
     const auto refused = run("study --no-convergence --renderers '" + path + "' --output '" + (folder / "bad") + "'");
     CHECK(refused.status == 1);
-    CHECK_THAT(refused.output, ContainsSubstring("it must have no comma, quote or control character"));
+    CHECK_THAT(refused.output, ContainsSubstring("must not contain a comma, quote or control character"));
   }
 }
 
@@ -213,7 +213,7 @@ TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[co
     CHECK(result.status != 0);
     CHECK_THAT(result.output, ContainsSubstring(why));
   };
-  refused("--delays constant:1", "has no impedance for a delay of 1 to 1 ticks");
+  refused("--delays constant:1", "has no values of impedance for a delay of 1 to 1 ticks");
   refused("--device-damping impedance=4", "impedance-edge needs device damping");
 }
 

@@ -72,12 +72,12 @@ TEST_CASE("design without a file to write prints its report", "[design]") {
   for (const char* part :
        {"TAU nominal at (0, 0, 0) m: ", "closed loop: spectral radius 0.9582",
         "disk margin: ", "delay: stable up to 1 samples", "first impact, 12 N: ", "q6 ", "Table II", "NOT MET",
-        "Position control, expected from 12 simulated pushes", "twice the rate: +", "passive spring"})
+        "Position control, estimated from 12 simulated pushes", "twice the rate: +", "passive spring"})
     CHECK_THAT(report.output, test::ContainsSubstring(part));
   // The model is linear: the stiffness is that of any push, its limit falls with the push, and no push may exceed the
   // motors.
   CHECK_THAT(run(design("--force 50")).output, test::ContainsSubstring("first impact, 50 N: "));
-  CHECK_THAT(run(design("--force 100")).output, test::ContainsSubstring("the motors cannot hold it"));
+  CHECK_THAT(run(design("--force 100")).output, test::ContainsSubstring("the motors cannot hold the push"));
   CHECK(run(design("--device-damping 4")).output != report.output);
 }
 

@@ -104,12 +104,12 @@ TEST_CASE("a bad device file is refused with file, line, key, value and limit", 
   requireRefused("radius = 0.004", "radius = 0.0",
                  "device.toml:6: chain[0].link1.radius: is 0, must be greater than 0 m");
   requireRefused("radius = 0.004", "radius = 0.004, com = [0, 0, 0]",
-                 "device.toml:6: chain[0].link1.radius: stands beside com or inertia: a link has either a radius "
-                 "(uniform rod) or com and inertia");
+                 "device.toml:6: chain[0].link1.radius: is given together with com or inertia: give either radius "
+                 "(a uniform rod) or com and inertia");
   requireRefused(
       "inertia = [4e-5, 4e-5, 1e-6]", "inertia = [4e-5, 4e-5, 1e-4]",
-      "device.toml:7: chain[0].link2.inertia: is that of no body: the largest principal moment 1e-04 exceeds "
-      "the sum of the others, 8e-05 kg m^2");
+      "device.toml:7: chain[0].link2.inertia: is physically impossible: the largest principal moment is 1e-04, must be "
+      "at most the sum of the others, 8e-05 kg m^2");
   requireRefused("inertia = [4e-5, 4e-5, 1e-6]", "inertia = [4e-5, 4e-5, -1e-6]",
                  "device.toml:7: chain[0].link2.inertia: has the principal moment -1e-06, must be at least 0 kg m^2");
   requireRefused(

@@ -233,8 +233,9 @@ TEST_CASE("drill: what does not spin does not cut; what is refused", "[drill]") 
   Drill other(tool, {nullptr}, kBur);
   other.spin(true);
   CHECK(once(other, Vec3(0, 0, 2)) == 0.0);
-  CHECK_THROWS_WITH(Drill(tool, {solid}, {1, 0.1, 1.0}), test::ContainsSubstring("part 1 of the tool, which has 1"));
-  CHECK_THROWS_WITH(Drill(Tool(), {solid}, kBur), test::ContainsSubstring("no radius"));
+  CHECK_THROWS_WITH(Drill(tool, {solid}, {1, 0.1, 1.0}),
+                    test::ContainsSubstring("part 1 of the tool, must be below its number of parts, 1"));
+  CHECK_THROWS_WITH(Drill(Tool(), {solid}, kBur), test::ContainsSubstring("must have a radius greater than 0 mm"));
   Tool large = tool;
   large.parts[0].radius = 6e-3;
   CHECK_THROWS_WITH(Drill(large, {solid}, kBur), test::ContainsSubstring("a radius of 6 mm, must be at most 5 mm"));

@@ -77,8 +77,8 @@ TEST_CASE("evaluate: a bad row gets a status, the others are still evaluated", "
   CHECK(rows[2].at("status") == "q[0] must be a finite number");
   CHECK(rows[3].contains("status"));
   CHECK(rows[4].at("status") == "q must be a list of 6 numbers");
-  CHECK(rows[5].at("status") == "position and euler_xyz must stand together");
-  CHECK(rows[6].at("status") == "needs position and euler_xyz, or q");
+  CHECK(rows[5].at("status") == "position and euler_xyz must be given together");
+  CHECK(rows[6].at("status") == "position and euler_xyz, or q, are missing");
   CHECK(rows[7].at("status") == "must be an object");
   CHECK(rows[8].at("status") == "qdot must be a list of 6 numbers");
 }

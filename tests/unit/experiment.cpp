@@ -368,7 +368,7 @@ TEST_CASE("a servo's gain from a file", "[experiment]") {
     return "";
   };
   CHECK(refused(write(5e-4, nominal().gain)) ==
-        folder / "servo.json" + ": period: is 0.0005 s, must be 0.001 s, the viewer's");
+        folder / "servo.json" + ": period: is 0.0005 s, must be 0.001 s, the period of the viewer");
   CHECK(refused(write(kPeriod, Eigen::MatrixXd::Ones(3, 9))) ==
         folder / "servo.json" + ": K: is for 3 joints, but TAU nominal has 6");
   CHECK(refused("/no/such/servo.json").find("/no/such/servo.json") == 0);
@@ -376,7 +376,7 @@ TEST_CASE("a servo's gain from a file", "[experiment]") {
   CHECK(refused(folder / "neither.json") == folder / "neither.json" + ": K: is missing");
   std::ofstream(folder / "old.json") << "{\"kind\": \"surface\", \"model\": \"a\", \"period\": 0.001}";
   CHECK(refused(folder / "old.json") ==
-        folder / "old.json" + ": kind: is \"surface\", of position control, which needs no file any more");
+        folder / "old.json" + ": kind: is \"surface\": position control does not need a file any more");
 }
 
 namespace {

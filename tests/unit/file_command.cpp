@@ -41,7 +41,7 @@ TEST_CASE("a full disk is told, and what was there stays", "[file_command]") {
   const test::TemporaryFolder folder;
   for (const std::string& command : {std::string("mesh '" ENAMEL_SOURCE_DIR "/data/meshes/molar.ply'"),
                                      std::string("design --help"), std::string("plugins"), kPush, "design " + kDevice})
-    refused("{ " + kTool + command + " >/dev/full; }", "cannot write the standard output: No space left on device");
+    refused("{ " + kTool + command + " >/dev/full; }", "cannot write to the standard output: No space left on device");
 
   test::writeFile(
       folder / "rows.json", "[" + [] {
@@ -84,7 +84,7 @@ TEST_CASE("what is no plain file is not read", "[file_command]") {
   const std::string pipe = "'" + (folder / "pipe.ply") + "' ";
   const std::string timely = "timeout 3000 " + kTool;
   for (const std::string& file : {pipe, std::string("/dev/zero ")}) {
-    const std::string reason = "is no plain file, but a pipe or a device";
+    const std::string reason = "is a pipe or a device, must be a regular file";
     refused(timely + "push --device " + file, reason);
     refused(timely + "push " + kDevice + "--scene " + file, reason);
     refused(timely + "push " + kDevice + "--renderer hold --gain " + file, reason);
@@ -100,7 +100,7 @@ TEST_CASE("what is no plain file is not read", "[file_command]") {
           "bad.json:2: is not valid JSON");
   test::writeFile(folder / "huge.json", "[{\"q\": [1e999, 0, 0, 0, 0, 0]}]");
   refused(kTool + "evaluate " + kDevice + "--output /dev/null --input '" + (folder / "huge.json") + "'",
-          "beyond double precision");
+          "outside the range of double precision");
 }
 
 TEST_CASE("nothing that a file or a command line holds reaches the terminal as it is", "[file_command]") {
@@ -114,7 +114,7 @@ TEST_CASE("nothing that a file or a command line holds reaches the terminal as i
   refused(kTool + "push --device " + file("b.toml", "name = \"x\"\n\"\\u001b[2J\" = 1\n"), "b.toml");
   refused(kTool + "push --device " + file("c.toml", "name = \"" + std::string(100000, 'x') + "\"\n"), "c.toml:1: name");
   refused(kTool + "push --device '" + escape + "'", "\\x1b[2J\\x07: cannot open the file");
-  refused(kTool + "push " + kDevice + "--renderer '" + escape + "'", "there is no plugin \"\\x1b[2J\\x07\"");
+  refused(kTool + "push " + kDevice + "--renderer '" + escape + "'", "unknown plugin \"\\x1b[2J\\x07\"");
   refused(kTool + "push " + kDevice + "'" + escape + "'", "\\x1b[2J", 2);
   refused(kTool + "push " + kDevice + "--force '" + escape + "'", "\\x1b[2J", 2);
   refused(kTool + "mesh " + file("d.obj", "v 1 2 " + escape + "\n"), "\\x1b[2J");
@@ -165,7 +165,7 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
     CHECK(test::readFile(path + "study.json") == broken);
   }
   std::filesystem::remove(path + "study.json");
-  refused(again + " --resume", "nothing says which study runs.csv belongs to");
+  refused(again + " --resume", "so the study of runs.csv is unknown");
   test::writeFile(path + "study.json", manifest);
   for (const std::string& foreign : {std::string("my,own\n1,2\n"), whole + whole}) {
     test::writeFile(path + "runs.csv", foreign);

@@ -240,7 +240,7 @@ TEST_CASE("imperfect plant: devices differ by their seed within the tolerances",
     CHECK((readOf(plant).q - nominal->home().q).cwiseAbs().maxCoeff() > 1e-5);
   }
   CHECK_THROWS_WITH(makeImperfectDevice(loadDevice(test::deviceFile("cartesian-6.toml")), 1),
-                    test::ContainsSubstring("drives of a Cartesian device"));
+                    test::ContainsSubstring("a Cartesian device has no drive parameters"));
 }
 
 TEST_CASE("imperfect plant: stiffened cables leave every other imperfection") {

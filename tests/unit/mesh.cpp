@@ -114,12 +114,12 @@ TEST_CASE("a model says what it is and how its sign is found", "[unit]") {
   CHECK_THAT(said(flipped), ContainsSubstring("open (3 edges between triangles of opposite orientation)"));
   TriangleMesh inwards = mesh;
   for (auto& t : inwards.triangles) std::swap(t[0], t[1]);
-  CHECK_THAT(said(inwards), ContainsSubstring("watertight, normals inwards"));
+  CHECK_THAT(said(inwards), ContainsSubstring("watertight, normals point inwards"));
   CHECK(signedDistance(MeshModel(inwards), Vec3(0.1, 0.2, 0.0)).distance < 0.0);
   CHECK(signedDistance(MeshModel(inwards), Vec3(0.1, 0.2, 1.1)).normal.z() > 0.5);
   mesh.triangles.pop_back();
-  CHECK_THAT(said(mesh),
-             ContainsSubstring("open (3 boundary edges)") && ContainsSubstring("winding number is above 1/2"));
+  CHECK_THAT(said(mesh), ContainsSubstring("open (3 boundary edges)") &&
+                             ContainsSubstring("points with a winding number above 1/2 are inside"));
   CHECK_FALSE(isSound(MeshModel(mesh)));
   inwards.triangles.pop_back();  // a small hole does not hide the orientation
   CHECK(signedDistance(MeshModel(inwards), Vec3(0.1, 0.2, 0.0)).distance < 0.0);

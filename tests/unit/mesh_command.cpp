@@ -159,7 +159,7 @@ TEST_CASE("a closed mesh is made a solid, and its surface a mesh", "[unit]") {
     REQUIRE(result.status == 0);
     CHECK_THAT(result.output, ContainsSubstring("wrong side               0 points") && ContainsSubstring("bricks") &&
                                   ContainsSubstring("memory"));
-    const std::string distances = result.output.substr(result.output.find("off by ") + 7);
+    const std::string distances = result.output.substr(result.output.find("error ") + 6);
     CHECK(std::stod(distances) < 20.0);  // um: a twentieth of a cell
     const MeshReport report = inspect(loadMesh(folder / name, 1e-3));
     CHECK(report.watertight);
@@ -169,9 +169,9 @@ TEST_CASE("a closed mesh is made a solid, and its surface a mesh", "[unit]") {
   }
   test::writeFile(folder / "flap.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 2 0\n3 0 1 2\n");
   CHECK_THAT(test::run("mesh " + (folder / "flap.off") + " --solid").output,
-             ContainsSubstring("flap.off: a solid is made of a closed mesh"));
+             ContainsSubstring("flap.off: the mesh of a solid must be closed"));
   CHECK_THAT(test::run(command + " --output a.obj").output,
-             ContainsSubstring("a.obj: meshes are written as .ply or .stl"));
+             ContainsSubstring("a.obj: the extension must be .ply or .stl"));
   CHECK(test::run("mesh " + (folder / "wedge.off") + " --solid --cell 0").status != 0);
   CHECK(test::run("mesh " + (folder / "wedge.off") + " --cell 0.1").status != 0);
 }
@@ -180,7 +180,7 @@ TEST_CASE("a mesh inside out is turned round", "[unit]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "in.off", "OFF 4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n");
   const test::CommandResult result = test::run("mesh " + (folder / "in.off") + " --prepare " + (folder / "out.ply"));
-  CHECK_THAT(result.output, ContainsSubstring("turned triangles         4 "));
+  CHECK_THAT(result.output, ContainsSubstring("reversed triangles       4 "));
   const MeshReport report = inspect(loadMesh(folder / "out.ply", 1e-3));
   CHECK(report.watertight);
   CHECK_FALSE(report.inwards);

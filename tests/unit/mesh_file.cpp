@@ -184,8 +184,8 @@ TEST_CASE("unusable files are refused with the file, the place and the reason", 
   checkRefused("OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "a.off", "2 corners");
   checkRefused("OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1", "a.off", "truncated");
   checkRefused("OFF 3 1 0\n0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n", "a.off", "a.off:3: coordinate of a vertex is \"zero\"");
-  checkRefused("OFF 2000000000 1 0\n0 0 0\n", "a.off", "promises 2000000000 vertices");
-  checkRefused("OFF 3 2000000000 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "a.off", "promises 2000000000 faces");
+  checkRefused("OFF 2000000000 1 0\n0 0 0\n", "a.off", "declares 2000000000 vertices");
+  checkRefused("OFF 3 2000000000 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "a.off", "declares 2000000000 faces");
   checkRefused("v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 3\n", "a.obj", "vertex 2");
   checkRefused("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "a.obj", "face 0 names vertex 3");
   checkRefused("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "a.obj", "a.obj:4: a face names vertex 0");
@@ -195,10 +195,11 @@ TEST_CASE("unusable files are refused with the file, the place and the reason", 
   checkRefused(binary.substr(0, binary.size() - 1), "a.stl", "endsolid is missing");
   std::string bare = binary;
   bare.replace(0, 5, "SOLID");
-  checkRefused(bare.substr(0, bare.size() - 1), "a.stl", "promises 12 triangles, there is room for at most 11");
+  checkRefused(bare.substr(0, bare.size() - 1), "a.stl",
+               "declares 12 triangles, the rest of the file has room for at most 11");
   std::string huge = bare;
   huge.replace(80, 4, "\xff\xff\xff\x7f");
-  checkRefused(huge, "a.stl", "promises 2147483647 triangles");
+  checkRefused(huge, "a.stl", "declares 2147483647 triangles");
   std::string infinite = bare;
   infinite.replace(84 + 50 * 2 + 12, 4, std::string("\x00\x00\x80\x7f", 4));
   checkRefused(infinite, "a.stl", "vertex 6");
@@ -208,7 +209,7 @@ TEST_CASE("unusable files are refused with the file, the place and the reason", 
       CHECK_THROWS_AS(parseMesh(bytes.substr(0, cut), "a.ply"), ConfigurationError);
     std::string counts = bytes;
     counts.replace(counts.find("vertex 8"), 8, "vertex 4000000000");
-    checkRefused(counts, "a.ply", "promises 4000000000 vertex");
+    checkRefused(counts, "a.ply", "declares 4000000000 vertex");
   }
   checkRefused("ply\nformat #1 1.0\nend_header\n0\n", "a.ply",
                "format is \"#1\"");  // PLY's remarks are separate lines

@@ -363,7 +363,8 @@ TEST_CASE("a file of runs survives being torn, and takes nobody else's runs", "[
     return [&] { (void)readRuns(plan, path); };
   };
   CHECK_THROWS_WITH(damaged(whole + "1,hold\n")(), test::ContainsSubstring("more runs than this study has"));
-  CHECK_THROWS_WITH(damaged("a,b\n" + whole)(), test::ContainsSubstring("runs.csv:1: is not the head"));
+  CHECK_THROWS_WITH(damaged("a,b\n" + whole)(),
+                    test::ContainsSubstring("runs.csv:1: is not the header of a file of runs"));
   CHECK_THROWS_WITH(damaged(whole.substr(0, second) + ",1" + whole.substr(second))(),
                     test::ContainsSubstring("runs.csv:2: has the wrong number of columns"));
   std::string letters = whole;
@@ -383,7 +384,7 @@ TEST_CASE("plans that cannot be run are refused", "[monte_carlo]") {
   refuse([](StudyPlan& p) { p.columns.clear(); }, "the study has no renderer");
   refuse([](StudyPlan& p) { p.scenarios.clear(); }, "the study has no scenario");
   refuse([](StudyPlan& p) { p.scenarios = {3}; }, "scenario is 3, must be 1 or 2");
-  refuse([](StudyPlan& p) { p.setup.delay = {2, 1}; }, "delay is 2..1, must be in 0 to 63 ticks, low first");
+  refuse([](StudyPlan& p) { p.setup.delay = {2, 1}; }, "delay is 2..1, must be in 0 to 63 ticks, the smaller first");
   refuse([](StudyPlan& p) { p.halfWidth = 0.3; }, "query point (-300, -300) mm is unreachable");
   CHECK_NOTHROW(checkStudy(smallPlan(3, 1)));
 }
@@ -405,7 +406,7 @@ TEST_CASE("a column may have shorter ticks: delay and density of the noise stay"
   REQUIRE(performRun(plan, run, [&](const TickRecord&) { ++ticks; }).status == Status::ok);
   CHECK(ticks == 5200);
   plan.columns[1].period = 0.3e-3;
-  CHECK_THROWS_WITH(setupOf(plan, run), test::ContainsSubstring("no multiple"));
+  CHECK_THROWS_WITH(setupOf(plan, run), test::ContainsSubstring("not a multiple"));
 }
 
 TEST_CASE("a run that the guard stops says so and is not measured", "[monte_carlo]") {

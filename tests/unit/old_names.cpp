@@ -20,7 +20,7 @@ TEST_CASE("an old name has a present one, every other name stays", "[old_names]"
   }
   CHECK(presentName("renderer", "real") == "real");
   CHECK(oldNameWarning("plant", "real", "--plant") ==
-        "--plant real: its name is imperfect now, the old one ends with version 0.4");
+        "--plant real: is now called imperfect; version 0.4 removes the old name");
 }
 
 TEST_CASE("commands take an old name, do the same and warn on standard error", "[old_names]") {
@@ -38,16 +38,17 @@ TEST_CASE("commands take an old name, do the same and warn on standard error", "
   CHECK(test::readFile(errors).empty());
   CHECK(stdoutOf(push + "real-stiff") == now);
   CHECK(test::readFile(errors) ==
-        "enamel: warning: --plant real-stiff: its name is imperfect-stiff now, the old one ends with version 0.4\n");
+        "enamel: warning: --plant real-stiff: is now called imperfect-stiff; version 0.4 removes the old name\n");
   // Each one of a list; both files of the study have the present name.
   const std::string study = "study --device '" + test::deviceFile("tau-detailed.toml") +
                             "' --grid 1 --runs 1 --scenario 1 --renderers position-control --no-convergence --plant ";
   (void)stdoutOf(study + "real --output '" + (folder / "study") + "'");
-  CHECK_THAT(test::readFile(errors), ContainsSubstring("--plant real: its name is imperfect now"));
+  CHECK_THAT(test::readFile(errors), ContainsSubstring("--plant real: is now called imperfect"));
   CHECK(nlohmann::json::parse(test::readFile(folder / "study/study.json")).at("plant") == "imperfect");
   const auto refused = test::run(push + "realistic");
   CHECK(refused.status == 2);
-  CHECK_THAT(refused.output, ContainsSubstring("realistic is not among closed-form") && !ContainsSubstring("real,"));
+  CHECK_THAT(refused.output,
+             ContainsSubstring("unknown plant \"realistic\": must be closed-form") && !ContainsSubstring("real,"));
 }
 
 }  // namespace enamel::test_old_names

@@ -206,7 +206,7 @@ TEST_CASE("a wall behind passivity control goes on from a copied state") {
   }
   passive.reset();
   CHECK(step(copy, 1) == step(passive, 1));
-  CHECK_THROWS_WITH(PassivityRenderer(nullptr), "passivity: there is no wall");
+  CHECK_THROWS_WITH(PassivityRenderer(nullptr), "passivity: the wall's renderer is missing");
 }
 
 }  // namespace enamel::test_passivity

@@ -286,7 +286,7 @@ TEST_CASE("player: what is no recording, of another device, without ticks, not f
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(Player("/no/such/file"), test::ContainsSubstring("/no/such/file: cannot open the file"));
   test::writeFile(folder / "text.rec", "no recording at all, but long enough to have a head");
-  CHECK_THROWS_WITH(Player(folder / "text.rec"), test::ContainsSubstring("is no recording"));
+  CHECK_THROWS_WITH(Player(folder / "text.rec"), test::ContainsSubstring("is not a recording"));
   Run empty;
   record(empty, folder / "empty.rec", 0);
   CHECK_THROWS_WITH(Player(folder / "empty.rec"), test::ContainsSubstring("has no tick that can be read"));
@@ -297,7 +297,8 @@ TEST_CASE("player: what is no recording, of another device, without ticks, not f
   Run mixed;
   mixed.header.sceneText = readFile(ENAMEL_SOURCE_DIR "/data/scenes/corner.toml");
   record(mixed, folder / "mixed.rec", 10);
-  CHECK_THROWS_WITH(Player(folder / "mixed.rec"), test::ContainsSubstring("its states are not those of this scene"));
+  CHECK_THROWS_WITH(Player(folder / "mixed.rec"),
+                    test::ContainsSubstring("the size of its states does not match the scene"));
   Run changed;
   changed.header.files = 1;
   record(changed, folder / "changed.rec", 10);
@@ -320,7 +321,7 @@ TEST_CASE("player: what is no recording, of another device, without ticks, not f
   CHECK(std::isfinite(player.samples(301, 1)[0].gap));
   std::filesystem::resize_file(folder / "broken.rec", 20000);  // by another program
   player.seek(450.0);
-  CHECK_THROWS_WITH(player.frame(), test::ContainsSubstring("broken.rec: was changed while it was played"));
+  CHECK_THROWS_WITH(player.frame(), test::ContainsSubstring("broken.rec: the file changed while it was played"));
 }
 
 // ENAMEL_LONG=1: ten minutes. Times and memory are only reported.

@@ -420,10 +420,11 @@ TEST_CASE("the servo's options are checked", "[position_control]") {
          [](auto& o) { o.delayHigh = 9; });
   refuse("position control: delay is 3 to 2 ticks, must be within 0 to 8, the smallest first",
          [](auto& o) { o.delayLow = 3, o.delayHigh = 2; });
-  refuse("position control: period is nan s, must be in 1e-5 to 0.1", [](auto& o) { o.period = std::nan(""); });
-  refuse("position control: a number of the drive is -1, must be zero or positive",
+  refuse("position control: period is nan s, must be in 1e-5 to 0.1 s", [](auto& o) { o.period = std::nan(""); });
+  refuse("position control: a parameter of the drive is -1, must be zero or positive",
          [](auto& o) { o.drive.bandwidth = -1.0; });
-  refuse("position control: a cable of 1000 needs a rotor", [](auto& o) { o.drive.stiffness = 1000.0; });
+  refuse("position control: a cable stiffness of 1000 requires a rotor inertia greater than 0",
+         [](auto& o) { o.drive.stiffness = 1000.0; });
   PositionControlRenderer servo(good);
   CHECK_THROWS_AS(servo.activate(2e-3), Error);
   servo.activate(kPeriod);

@@ -70,7 +70,7 @@ TEST_CASE("an arm brings its push late, and what its own stiffness leaves of it"
   CHECK(-ticks[1003].handWrench[2] < 3.0);
   CHECK(-ticks.back().handWrench[2] == Approx(rest).epsilon(1e-3));
   setup.hand.scenario = 2;
-  CHECK_THROWS_WITH(checkPush(setup), "an arm pushes in scenario 1 only");
+  CHECK_THROWS_WITH(checkPush(setup), "scenario is 2, must be 1 with an arm");
   setup.hand.scenario = 1;
   setup.hand.arm->mass = 0.0;
   CHECK_THROWS_WITH(checkPush(setup), test::ContainsSubstring("the arm's mass is 0"));
@@ -476,10 +476,10 @@ TEST_CASE("bad setups are refused before anything runs", "[push]") {
   refuse([](PushSetup& s) { s.hand.force = -1; }, "force is -1, must be in 0 to 1000 N");
   refuse([](PushSetup& s) { s.hand.noise = std::nan(""); }, "noise is nan, must be in 0 to 1000 N");
   refuse([](PushSetup& s) { s.hand.preload = -1; }, "preload is -1, must be in 0 to 1000 N");
-  refuse([](PushSetup& s) { s.hand.instant = 1.0; }, "instant of the step is 1, must be in 0 to below 1 tick");
+  refuse([](PushSetup& s) { s.hand.instant = 1.0; }, "instant of the step is 1, must be at least 0 and below 1 tick");
   refuse([](PushSetup& s) { s.duration = 1e9; }, "duration is 1e+09, must be in 0 to 3600 s");
   refuse([](PushSetup& s) { s.substeps = 0; }, "substeps is 0, must be in 1 to 1000");
-  refuse([](PushSetup& s) { s.delay = {2, 1}; }, "delay is 2..1, must be in 0 to 63 ticks, low first");
+  refuse([](PushSetup& s) { s.delay = {2, 1}; }, "delay is 2..1, must be in 0 to 63 ticks, the smaller first");
   refuse([](PushSetup& s) { s.period = 0.0; }, "the period is 0, must be in 1e-05 to 0.1 s");
   refuse([](PushSetup& s) { s.encoders.cutoff = 0.0; }, "cutoff of the rate filter is 0, must be greater than 0 Hz");
   refuse([](PushSetup& s) { s.start.position.x() = 1.0; }, "the start pose is unreachable");

@@ -98,7 +98,8 @@ TEST_CASE("push: plants by name", "[push_command]") {
   const auto cartesian =
       run("push --device '" + test::deviceFile("cartesian-6.toml") + "' --renderer impedance --plant imperfect");
   CHECK(cartesian.status == 1);
-  CHECK_THAT(cartesian.output, ContainsSubstring("nothing is known of the drives of a Cartesian device"));
+  CHECK_THAT(cartesian.output,
+             ContainsSubstring("a Cartesian device has no drive parameters; use the plant closed-form"));
 }
 
 TEST_CASE("push: metrics under one name each as a table and as JSON, all renderers beside each other",
@@ -193,7 +194,7 @@ TEST_CASE("push: one plant for linked renderers and plugins, with the damping of
   CHECK_THAT(file.output, ContainsSubstring("mechanical damping 3.5 N s/m") && !ContainsSubstring("eq. 16"));
   CHECK_THAT(more.output, ContainsSubstring("mechanical damping 4 N s/m"));
   CHECK_THAT(hard.output,
-             ContainsSubstring("need more than 3.5 N s/m") && ContainsSubstring("(eq. 16), there are 3.5"));
+             ContainsSubstring("need more than 3.5 N s/m") && ContainsSubstring("(eq. 16), the device has 3.5"));
 }
 
 TEST_CASE("push: hold with a servo of enamel design --output, linked and as a plugin", "[push_command]") {
@@ -223,12 +224,12 @@ TEST_CASE("push: hold with a servo of enamel design --output, linked and as a pl
   const std::string fast = design("fast.json", "--rate 2000");
   test::writeFile(folder / "three.json", R"({"model": "m", "period": 0.001, "K": [[1,2,3,4,5,6,7,8,9],
                                              [1,2,3,4,5,6,7,8,9], [1,2,3,4,5,6,7,8,9]]})");
-  refuses({{hold + "--gain '" + fast + "'", "ticks of 0.0005 s, these take 0.001 s"},
+  refuses({{hold + "--gain '" + fast + "'", "ticks of 0.0005 s, the period here is 0.001 s"},
            {hold + "--gain '" + (folder / "three.json") + "'", "for 3 joints, the device has 6"},
            {"--gain /no/such/servo.json", "/no/such/servo.json"},
-           {"--gain '" + same + "'", "same.json: is an LQR design, for hold, which --renderer does not name"},
-           {"--renderer impedance --gain '" + same + "'", "for hold, which --renderer does not name"},
-           {plugin + "--gain '" + same + "'", "for hold, which --renderer does not name"}});
+           {"--gain '" + same + "'", "same.json: is an LQR design for hold, but --renderer does not name hold"},
+           {"--renderer impedance --gain '" + same + "'", "for hold, but --renderer does not name hold"},
+           {plugin + "--gain '" + same + "'", "for hold, but --renderer does not name hold"}});
 }
 
 TEST_CASE("push: position control, linked and as a plugin, is told of the plant's drives", "[push_command]") {
@@ -259,11 +260,12 @@ TEST_CASE("push: position control, linked and as a plugin, is told of the plant'
   }
 
   test::writeFile(folder / "old.json", R"({"kind": "surface", "model": "a", "period": 0.001})");
-  refuses(
-      {{"--gain '" + (folder / "old.json") + "'", "old.json: kind: is \"surface\", of position control, which needs"},
-       {plugin + "--set 'gain=" + (folder / "old.json") + "'", "gain: is of mode hold, mode surface needs no file"},
-       {plugin + "--set drive=loose", "drive: is \"loose\", must be device, rigid or ideal"},
-       {"--delay constant:9", "delay is 9 to 9 ticks, must be within 0 to 8"}});
+  refuses({{"--gain '" + (folder / "old.json") + "'",
+            "old.json: kind: is \"surface\": position control does not need a file"},
+           {plugin + "--set 'gain=" + (folder / "old.json") + "'",
+            "gain: is only for mode hold: mode surface does not need a file"},
+           {plugin + "--set drive=loose", "drive: is \"loose\", must be device, rigid or ideal"},
+           {"--delay constant:9", "delay is 9 to 9 ticks, must be within 0 to 8"}});
 }
 
 TEST_CASE("push: the device as a renderer is told of it", "[push_command]") {
@@ -286,7 +288,8 @@ TEST_CASE("push: the device as a renderer is told of it", "[push_command]") {
     CHECK((stiff.bandwidth == drive.bandwidth && stiff.disturbance == drive.disturbance));
     CHECK((stiff.rotorInertia == 0.0 && stiff.stiffness == 0.0 && stiff.damping == 0.0));
   }
-  CHECK_THROWS_WITH(modelFor("wish", nominalDevice()), ContainsSubstring("plant wish is not among closed-form"));
+  CHECK_THROWS_WITH(modelFor("wish", nominalDevice()),
+                    ContainsSubstring("unknown plant \"wish\": must be closed-form"));
 }
 
 TEST_CASE("push: a preload, and a step inside its tick", "[push_command]") {

@@ -55,8 +55,8 @@ TEST_CASE("a recorded push replays bit for bit, linked and as a plugin", "[recor
   CHECK(replay(servo).status == 1);
   for (const auto& [options, problem] :
        {std::pair{"--set stiffness=x", "parameter stiffness of impedance is \"x\", must be a number"},
-        {"--from 1000000", "a.rec: has 12 chunks, there is no chunk 1000000"},
-        {"--renderer nothing", "there is no plugin \"nothing\""}}) {
+        {"--from 1000000", "a.rec: has 12 chunks, chunk 1000000 does not exist"},
+        {"--renderer nothing", "unknown plugin \"nothing\""}}) {
     const auto refused = replay(options);
     CHECK(refused.status == 1);
     CHECK_THAT(refused.output, test::ContainsSubstring(problem));
@@ -82,7 +82,7 @@ TEST_CASE("what a recording cannot be, and disks that are full", "[recording]") 
   }
   const auto twice = test::run(push + "'" + (folder / "b") + "' --output '" + (folder / "./b") + "'");
   CHECK(twice.status == 1);
-  CHECK_THAT(twice.output, test::ContainsSubstring("--record and --output are one file"));
+  CHECK_THAT(twice.output, test::ContainsSubstring("--record and --output must be different files"));
   CHECK(test::readFile(file) == before);
 
   const std::string full = folder / "full.rec";
@@ -92,7 +92,7 @@ TEST_CASE("what a recording cannot be, and disks that are full", "[recording]") 
   const auto rest = test::run("replay '" + full + "'");
   CHECK(rest.status == 0);
   CHECK_THAT(rest.output,
-             test::ContainsSubstring("it was not closed") && test::ContainsSubstring("equal, bit for bit"));
+             test::ContainsSubstring("the recording was not closed") && test::ContainsSubstring("equal, bit for bit"));
   // If it cannot be replaced, the old recording remains complete; if there is room, it is replaced.
   const auto kept = test::runCommand("ulimit -f 300; '" ENAMEL_TOOL "' " + push + "'" + file + "' --overwrite");
   CHECK(kept.status == 1);

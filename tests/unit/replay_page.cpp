@@ -128,14 +128,14 @@ TEST_CASE("what a bur has cut while it was recorded is cut again, and a browser 
 
   const auto over = test::run("replay '" + recording + "' --html '" + recording + "'");
   CHECK(over.status == 1);
-  CHECK_THAT(over.output, test::ContainsSubstring("would write over the recording"));
+  CHECK_THAT(over.output, test::ContainsSubstring("--html must be another file than the recording"));
   const auto nowhere = test::run("replay '" + recording + "' --html '" + (folder / "no/page.html") + "'");
   CHECK(nowhere.status == 1);
   CHECK_THAT(nowhere.output,
              test::ContainsSubstring("no/page.html: ") && test::ContainsSubstring("No such file or directory"));
   const auto alone = test::run("replay '" + recording + "' --beside '" + recording + "'");
   CHECK(alone.status == 1);
-  CHECK_THAT(alone.output, test::ContainsSubstring("--beside is for --html"));
+  CHECK_THAT(alone.output, test::ContainsSubstring("--beside needs --html"));
   const auto beside =
       test::run("replay '" + recording + "' --renderer impedance --html '" + (folder / "two.html") + "'");
   INFO(beside.output);

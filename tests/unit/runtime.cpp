@@ -122,7 +122,7 @@ TEST_CASE("histogram: quantiles to within a class of 9 %", "[runtime]") {
 }
 
 TEST_CASE("periodic thread: one call a period, late deadlines skipped and counted", "[runtime]") {
-  CHECK_THROWS_WITH(PeriodicThread(0.0, [] {}), "periodic thread: the period is 0, must be in 1e-05 to 10 s");
+  CHECK_THROWS_WITH(PeriodicThread(0.0, [] {}), "periodic thread: the period is 0 s, must be in 1e-05 to 10 s");
   constexpr double period = 2e-3;
   std::atomic<int> calls{0};
   std::atomic<const PeriodicThread*> self{nullptr};

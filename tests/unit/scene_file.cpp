@@ -171,15 +171,15 @@ TEST_CASE("scene files: solids and burs", "[scene]") {
     INFO(from << " -> " << to);
     CHECK_THROWS_WITH(read(from, to), test::ContainsSubstring(message));
   };
-  refuses("tooth.off", "open.off", "shape: is \"solid\": a solid is made of a closed mesh");
-  refuses("\"pulp.off\"", "\"open.off\"", "the mesh that it begins at is not closed");
+  refuses("tooth.off", "open.off", "shape: is \"solid\": the mesh of a solid must be closed");
+  refuses("\"pulp.off\"", "\"open.off\"", "the mesh where it begins must be closed");
   refuses("cell = 0.0005", "cell = 0.0", "cell: is 0, must be in 1e-06 to 2 m");
-  refuses("cell = 0.0005", "cell = 0.000002", "too small for this solid");
+  refuses("cell = 0.0005", "cell = 0.000002", "too small: the solid needs more than 1 GB");
   refuses("hardness = 3e9", "hardness = -1.0", "hardness: is -1, must be in 1000 to 1e+12 Pa");
-  refuses("hardness = 1e8", "hardness = 1e8\ndepth = 0.001", "both say where the layer begins");
+  refuses("hardness = 1e8", "hardness = 1e8\ndepth = 0.001", "both define where the layer begins");
   refuses("turns = 500.0", "turns = 2e4", "turns: is 20000, must be in 0 to 10000");
   refuses("wear = 0.2", "part = 1", "part: is 1, must be in 0 to 0");
-  refuses("radius = 0.001", "radius = 0.0", "which has no radius");
+  refuses("radius = 0.001", "radius = 0.0", "whose radius must be greater than 0 mm");
   refuses("wear = 0.2", "speed = 1", "is not a known key");
 }
 
@@ -196,13 +196,13 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
                  "scene.toml:5: obstacle[0].shape: is \"cone\", must be \"half_space\", "
                  "\"box\", \"sphere\", \"capsule\", \"mesh\" or \"solid\"");
   requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, 0.0]",
-                 "scene.toml:7: obstacle[0].normal: has the length 0, must be in 1e-06 to 1e+06: it has no direction");
+                 "scene.toml:7: obstacle[0].normal: has the length 0, must be in 1e-06 to 1e+06 to define a direction");
   requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, nan]",
                  "scene.toml:7: obstacle[0].normal[2]: is nan, must be finite");
   requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, 2.0]\nsize = [1, 1, 1]",
                  "scene.toml:8: obstacle[0].size: is not a known key");
   requireRefused("name = \"box\"", "name = \"wall\"",
-                 "scene.toml:9: obstacle[1].name: is \"wall\", which another obstacle has");
+                 "scene.toml:9: obstacle[1].name: is \"wall\", which is also the name of another obstacle");
   requireRefused("size = [0.02, 0.03, 0.04]", "size = [0.02, 0.0, 0.04]",
                  "scene.toml:12: obstacle[1].size[1]: is 0, must be in 1e-04 to 2 m");
   requireRefused("euler_deg = [0.0, 90.0, 0.0]", "euler_deg = [0.0, 900.0, 0.0]",
@@ -228,11 +228,10 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\n"), "s.toml"), "s.toml:3: obstacle[0].unit: is missing");
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"inch\"\n"), "s.toml"),
                     "s.toml:7: obstacle[0].unit: is \"inch\", must be \"m\", \"mm\" or \"um\"");
-  for (const auto& [keys, problem] :
-       {std::pair("thin = 1\n", "thin: is an integer, must be true or false"),
-        {"thin = true\n", "thickness: is missing"},
-        {"thin = true\nthickness = 0.0\n", "thickness: is 0, must be in 1e-06 to 0.01 m"},
-        {"thickness = 0.001\n", "thickness: is that of a sheet, which needs thin = true"}})
+  for (const auto& [keys, problem] : {std::pair("thin = 1\n", "thin: is an integer, must be true or false"),
+                                      {"thin = true\n", "thickness: is missing"},
+                                      {"thin = true\nthickness = 0.0\n", "thickness: is 0, must be in 1e-06 to 0.01 m"},
+                                      {"thickness = 0.001\n", "thickness: is only valid with thin = true"}})
     CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\n" + std::string(keys)), "s.toml"),
                       test::ContainsSubstring(problem));
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\nscale = 0\n"), "s.toml"),
@@ -267,11 +266,11 @@ TEST_CASE("scene files: a probable wrong unit, and cells larger than the bur, ar
   CHECK_THAT(
       notes("mesh", "unit = \"m\"\n")[0],
       test::ContainsSubstring(
-          "obstacle \"box\": is 10000 mm across; if that is not meant, its unit is probably 1000 times smaller"));
+          "obstacle \"box\": is 10000 mm across; if this size is wrong, its unit is probably 1000 times smaller"));
   REQUIRE(notes("mesh", "unit = \"um\"\n").size() == 1);
   CHECK_THAT(
       notes("mesh", "unit = \"um\"\n")[0],
-      test::ContainsSubstring("is 0.01 mm across; if that is not meant, its unit is probably 1000 times larger"));
+      test::ContainsSubstring("is 0.01 mm across; if this size is wrong, its unit is probably 1000 times larger"));
   const std::string layer = "[[obstacle.layer]]\nname = \"enamel\"\nhardness = 3e9\n";
   CHECK(notes("solid", "unit = \"mm\"\ncell = 0.0005\n" + layer).empty());
   REQUIRE(notes("solid", "unit = \"mm\"\ncell = 0.0006\n" + layer).size() == 1);

@@ -162,7 +162,7 @@ TEST_CASE("a renderer without activate() has no state, and none after one that f
   hasNone();
   renderer.activate(1e-3);
   CHECK(renderer.stateSize() > 0);
-  CHECK_THROWS_WITH(renderer.activate(2e-3), ContainsSubstring("is for ticks of 0.001 s, these take 0.002"));
+  CHECK_THROWS_WITH(renderer.activate(2e-3), ContainsSubstring("is for ticks of 0.001 s, the period here is 0.002 s"));
   hasNone();
   renderer.activate(1e-3);
   renderer.deactivate();
@@ -189,8 +189,8 @@ TEST_CASE("plugin parameters that are not there", "[slips]") {
     CHECK_THROWS_WITH(PluginConfiguration(description, given), ContainsSubstring(reason));
   };
   const EnamelParameter noKey[] = {{nullptr, "1", nullptr}}, noValue[] = {{"stiffness", nullptr, nullptr}};
-  refuse(nullptr, 1, "are NULL, there must be 1");
-  refuse(nullptr, static_cast<std::size_t>(-1), "are NULL");
+  refuse(nullptr, 1, "is NULL, must have 1 entries");
+  refuse(nullptr, static_cast<std::size_t>(-1), "is NULL, must have");
   refuse(noKey, 1, "number 0: has no key or no value");
   refuse(noValue, 1, "number 0: has no key or no value");
   for (const char* value : {"nan", "inf", "-inf", "1e999", "12x", " "}) {
@@ -222,17 +222,20 @@ TEST_CASE("files that are none are not waited for", "[slips]") {
   REQUIRE(mkfifo((folder / "pipe.toml").c_str(), 0600) == 0);
   std::filesystem::create_symlink("/dev/zero", folder / "zero.ply");
   test::writeFile(folder / "long.toml", std::string(100, 'x'));
-  CHECK_THROWS_WITH(readFile(folder / "pipe.toml"), ContainsSubstring("pipe.toml: is no plain file"));
-  CHECK_THROWS_WITH(readFile("/dev/zero"), ContainsSubstring("is no plain file"));
-  CHECK_THROWS_WITH(readFile("/proc/self/status"), ContainsSubstring("is not as long as it says"));
+  CHECK_THROWS_WITH(readFile(folder / "pipe.toml"),
+                    ContainsSubstring("pipe.toml: is a pipe or a device, must be a regular file"));
+  CHECK_THROWS_WITH(readFile("/dev/zero"), ContainsSubstring("is a pipe or a device, must be a regular file"));
+  CHECK_THROWS_WITH(readFile("/proc/self/status"), ContainsSubstring("changed its size while it was read"));
   CHECK_THROWS_WITH(readFile(folder / ""), ContainsSubstring("is a folder"));
   CHECK_THROWS_WITH(readFile(""), ContainsSubstring("No such file"));
   CHECK_THROWS_WITH(readFile(folder / "none"), ContainsSubstring("cannot open the file: No such file"));
   CHECK_THROWS_WITH(readFile(folder / "long.toml", 99), ContainsSubstring("is 100 bytes, at most 99 are read"));
   CHECK(readFile(folder / "long.toml", 100).size() == 100);
-  CHECK_THROWS_WITH(loadDevice(folder / "pipe.toml"), ContainsSubstring("is no plain file"));
-  CHECK_THROWS_WITH(loadScene(folder / "pipe.toml"), ContainsSubstring("is no plain file"));
-  CHECK_THROWS_WITH(loadMesh(folder / "zero.ply"), ContainsSubstring("is no plain file"));
+  CHECK_THROWS_WITH(loadDevice(folder / "pipe.toml"),
+                    ContainsSubstring("is a pipe or a device, must be a regular file"));
+  CHECK_THROWS_WITH(loadScene(folder / "pipe.toml"),
+                    ContainsSubstring("is a pipe or a device, must be a regular file"));
+  CHECK_THROWS_WITH(loadMesh(folder / "zero.ply"), ContainsSubstring("is a pipe or a device, must be a regular file"));
 }
 
 TEST_CASE("a file is written whole or not at all", "[slips]") {
@@ -275,7 +278,7 @@ TEST_CASE("configurations that are too deep or too long", "[slips]") {
     CHECK_THROWS_AS(parseScene(text, "d.toml"), ConfigurationError);
   };
   const std::string dots = "a" + repeat(".a", 40), quoted = "\"a\"" + repeat(" . 'a.b'", 40);
-  refuse("\n" + dots + " = 1\n", "d.toml:2: has a dotted key of more parts than 32");
+  refuse("\n" + dots + " = 1\n", "d.toml:2: has a dotted key with more parts than 32");
   refuse(quoted + " = 1\n", "dotted key");
   refuse("[" + dots + "]\n", "dotted key");
   refuse("[[" + dots + "]]\n", "dotted key");
@@ -310,9 +313,9 @@ TEST_CASE("a plugin file that ends before its head says", "[slips]") {
   std::string library(4096, 0);
   REQUIRE(std::ifstream("/proc/self/exe", std::ios::binary).read(library.data(), 4096));
   library[16] = 3;  // ET_DYN, whatever type the test program has
-  refuse("", "no ELF header");
-  refuse(library.substr(0, 20), "no ELF header");
-  refuse(library.substr(0, 64), "is truncated: it has 64 bytes and promises more");
+  refuse("", "is not a shared library (its ELF header is missing)");
+  refuse(library.substr(0, 20), "is not a shared library (its ELF header is missing)");
+  refuse(library.substr(0, 64), "is truncated: it has 64 bytes, its header declares more");
   refuse(library.substr(0, 200), "is truncated");
   refuse(library, "is truncated: it has 4096 bytes");
   std::string far = library;
@@ -320,7 +323,7 @@ TEST_CASE("a plugin file that ends before its head says", "[slips]") {
   refuse(far, "is truncated");
   std::string narrow = library;
   narrow[4] = 1;  // 32 bits
-  refuse(narrow, "is no shared library");
+  refuse(narrow, "is not a shared library");
   REQUIRE(mkfifo((folder / "pipe.so").c_str(), 0600) == 0);
   CHECK_THROWS_WITH(PluginLibrary::load(folder / "pipe.so"), ContainsSubstring("no such file"));
 }

@@ -290,8 +290,8 @@ TEST_CASE("solid: what is refused, what finds nothing", "[solid]") {
   const auto build = [](const MeshModel& mesh, const std::vector<SolidLayer>& layers, SolidOptions options = {}) {
     return Solid(mesh, layers, options);
   };
-  CHECK_THROWS_WITH(build(MeshModel(open), kTooth), test::ContainsSubstring("closed mesh"));
-  CHECK_THROWS_WITH(build(box, {}), test::ContainsSubstring("1 to 8 layers, not 0"));
+  CHECK_THROWS_WITH(build(MeshModel(open), kTooth), test::ContainsSubstring("the mesh of a solid must be closed"));
+  CHECK_THROWS_WITH(build(box, {}), test::ContainsSubstring("the solid has 0 layers, must have 1 to 8"));
   CHECK_THROWS_WITH(build(box, {{"soft", {}, 0.0, 0.0, nullptr}}), test::ContainsSubstring("hardness"));
   CHECK_THROWS_WITH(build(box, {{"a", {}, 1e9, 1e-3, nullptr}, {"b", {}, 1e9, 0.5e-3, nullptr}}),
                     test::ContainsSubstring("depth"));

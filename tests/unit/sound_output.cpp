@@ -67,7 +67,7 @@ TEST_CASE("a bur is heard where there is a device; without one, or when it goes 
   };
   if (inChild("drivers = none\n", troubleIs("built without OpenAL"))) return test::skipTest("OpenAL is missing");
   CHECK(inChild("drivers = none\n", troubleIs("no audio device")));
-  CHECK(inChild("drivers = wave\n[wave]\nfile = /dev/full\n", troubleIs("the audio device is gone")));
+  CHECK(inChild("drivers = wave\n[wave]\nfile = /dev/full\n", troubleIs("the audio device was disconnected")));
 
   const test::TemporaryFolder folder;
   const std::string file = folder / "bur.wav";

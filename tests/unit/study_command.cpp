@@ -174,8 +174,9 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
   CHECK(report.find("not met") != std::string::npos);
   CHECK(report.find("no joint saturates") != std::string::npos);
   CHECK(report.find("Speed against error") != std::string::npos);
-  CHECK(report.find("it is the default") != std::string::npos);
-  CHECK(report.find("the deepest point of the continuous motion, between ticks too") != std::string::npos);
+  CHECK(report.find("the study uses it by default") != std::string::npos);
+  CHECK(report.find("the depth of the first reversal of the continuous motion (also between ticks)") !=
+        std::string::npos);
   CHECK(report.find("<h1>On a stiff wall: position control, hold, impedance</h1>") != std::string::npos);
   CHECK(
       report.find("<th>here, as in the paper (hold, impedance)</th><th>here, position control in contact space</th>") !=
@@ -287,14 +288,14 @@ TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
   };
   servo = whole;
   servo["period"] = 2e-3;
-  refused("slow.json", "the servo is for ticks of 0.002 s, these take 0.001 s");
+  refused("slow.json", "the servo is for ticks of 0.002 s, the period here is 0.001 s");
   servo = whole;
   servo["K"] = nlohmann::json::array();
   for (int i = 0; i < 3; ++i) servo["K"].push_back(std::vector<double>(9, 1.0));
   refused("three.json", "the servo is for 3 joints, the device has 6");
   CHECK(run("study --renderers impedance --grid 1 --runs 1 --output '" + (folder / "spring") + "' --gain '" +
             (folder / "same.json") + "'")
-            .output.find("same.json: is an LQR design, for hold, which --renderers does not name") !=
+            .output.find("same.json: is an LQR design for hold, but --renderers does not name hold") !=
         std::string::npos);
 }
 

@@ -121,10 +121,10 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
 
   // Wait for the first start's tour, end it if it is running, then show one tool.
   viewer.until("the tour", [](const json& report) {
-    return report.at("touring").get<bool>() || isAmong(report.at("shown").at("notices"), "The hand is yours");
+    return report.at("touring").get<bool>() || isAmong(report.at("shown").at("notices"), "You now control the hand");
   });
   person.key({"Escape"});
-  viewer.untilShown("notices", "The hand is yours");
+  viewer.untilShown("notices", "You now control the hand");
   person.key({"v"});
 
   person.at(560, 300);
@@ -144,11 +144,11 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
   typeStiffness("7500");
   viewer.untilShown("stiffnesses", "7.50 kN/m");
   typeStiffness("99999");
-  viewer.untilShown("notices", "stiffness: 99999 is outside of 200 to 20000 N/m");
+  viewer.untilShown("notices", "stiffness is 99999, must be in 200 to 20000 N/m");
 
   // With delay, it rings.
   person.at(controls.at("3"));
-  viewer.untilShown("tips", "Between a measurement and the torque that answers it");
+  viewer.untilShown("tips", "Delay between a measurement and the torque that answers it");
   person.click();
   viewer.until("a delay", [](const json& report) { return report.at("shown").at("delay [ticks]") == 3; });
   person.at(560, 300);
@@ -158,7 +158,7 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
 
   // Backspace also resets the settings.
   person.key({"BackSpace"});
-  const json start = viewer.untilShown("notices", "are as at the start").at("shown");
+  const json start = viewer.untilShown("notices", "have been reset").at("shown");
   CHECK(start.at("delay [ticks]") == 0);
   CHECK(start.at("stiffness [N/m]") == 6000.0);
 
@@ -217,7 +217,7 @@ TEST_CASE("a person presses with a plugin, records it, makes a clip and plays th
     test::RunningViewer& viewer = person.viewer();
     viewer.untilShown("renderers", "template");
     person.at(300, 560);
-    viewer.untilShown("tips", "How deep the tool's lowest point is in the wall");
+    viewer.untilShown("tips", "Depth of the tool's lowest point in the nearest wall");
     person.at(1000, 60);
     viewer.untilShown("tips", "Penetration of the last 3 s");
     person.at(560, 300);
@@ -292,7 +292,7 @@ TEST_CASE("a person plays a recording, drags its bar and steps", "[viewer]") {
   const json report = person.quits();
   CHECK(person.status() == 0);
   CHECK(person.viewer().said() == "./enamel-001.png\n");
-  CHECK(isAmong(report.at("shown").at("notices"), "This is a recording: nothing in it can be changed."));
+  CHECK(isAmong(report.at("shown").at("notices"), "A recording cannot be changed."));
   CHECK(report.at("shown").at("deepest [m]") > 0.0);
   CHECK(test::Pixels(folder / "enamel-001.png").size() == glm::ivec2(1280, 720));
 }

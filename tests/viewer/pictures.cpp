@@ -251,7 +251,7 @@ TEST_CASE("test pushes are reported by their renderers' names, with the study's 
   const auto late = testPushes(folder, "0 renderer impedance\n0 set delay 3\n0.1 push\n5.0 end\n", "");
   REQUIRE(late.size() == 1);
   CHECK(late[0].at("first impact") == "unstable");
-  CHECK(late[0].at("shown") == "unstable: the guard stopped it");
+  CHECK(late[0].at("shown") == "unstable: stopped by the guard");
   CHECK(late[0].at(stiffness).is_null());
 
   const auto plugin =
@@ -514,7 +514,8 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
     CHECK(viewer.wait() == 128 + SIGINT);
     CHECK(viewer.said().empty());
     return report.at("touring").get<bool>() ||
-           viewer.isAmong(report.at("shown").at("notices"), "The hand is yours");  // already over on a slow machine
+           viewer.isAmong(report.at("shown").at("notices"),
+                          "You now control the hand");  // already over on a slow machine
   };
   std::filesystem::create_directory(folder / "home");
   CHECK(tours());
@@ -628,9 +629,9 @@ TEST_CASE("a script records ticks and makes a clip; without ffmpeg its pictures 
   CHECK(shown().at("deepest [m]").get<double>() <= deepest);
   // A recording that is impossible is refused.
   run("0 split\n0.1 record\n0.2 end\n", size);
-  CHECK(shown().at("notices") == nlohmann::json{"Two tools are not recorded: V shows one."});
+  CHECK(shown().at("notices") == nlohmann::json{"The split screen cannot be recorded: V shows one tool."});
   run("0 scene " ENAMEL_SOURCE_DIR "/data/meshes/molar.ply\n0.1 record\n0.2 end\n", size);
-  CHECK(shown().at("notices").back().get<std::string>().find("A scan is not recorded") == 0);
+  CHECK(shown().at("notices").back().get<std::string>().find("A dropped scan cannot be recorded") == 0);
   CHECK_FALSE(std::filesystem::exists(out + "enamel-002.rec"));
 }
 

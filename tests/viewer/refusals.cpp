@@ -42,8 +42,9 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
     requireRefused(test::viewer("--script '" + folder / "good.txt' --frame-rate " + rate), 2, "--frame-rate: ");
   requireRefused(test::viewer(headless + "--frame-rate 30"), 2, "--headless excludes --frame-rate");
   REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
-  requireRefused(test::viewer("--headless --script '" + folder / "pipe'"), 1, "is no plain file");
-  requireRefused(test::viewer("--headless --script /dev/zero"), 1, "is no plain file");
+  requireRefused(test::viewer("--headless --script '" + folder / "pipe'"), 1,
+                 "is a pipe or a device, must be a regular file");
+  requireRefused(test::viewer("--headless --script /dev/zero"), 1, "is a pipe or a device, must be a regular file");
   test::writeFile(folder / "long.txt", std::string(2000000, 'x'));
   requireRefused(test::viewer("--headless --script '" + folder / "long.txt'"), 1, "at most 1048576 are read");
   test::writeFile(folder / "escape.txt", "0 \x1b[2J\n0 end\n");
@@ -65,13 +66,14 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
     CHECK(test::readFile(picture) != "mine");
   }
   requireRefused(test::viewer(headless + "--size huge"), 2, "--size is \"huge\", must be WIDTHxHEIGHT");
-  requireRefused(test::viewer(headless + "--record /proc/nowhere"), 1, "/proc/nowhere: cannot make the folder");
+  requireRefused(test::viewer(headless + "--record /proc/nowhere"), 1,
+                 "/proc/nowhere: cannot create the folder for pictures");
   const auto script = [&](const std::string& text, const std::string& message) {
     test::writeFile(folder / "bad.txt", text);
     requireRefused(test::viewer("--headless --script '" + folder / "bad.txt'"), 1, message);
   };
   script("0 jump\n0 end\n", "bad.txt:1: jump: is not a known command");
-  script("# remark\n1 pause\n0.5 end\n", "bad.txt:3: time: is earlier than that of the step before");
+  script("# remark\n1 pause\n0.5 end\n", "bad.txt:3: time: is earlier than that of the previous step");
   script("0 hand 1 2\n1 end\n", "bad.txt:1: hand: is missing");
   script("0 hand 1 2 nan\n1 end\n", "bad.txt:1: hand: is \"nan\", must be a number");
   script("0 spin fast\n1 end\n", "bad.txt:1: spin: must be on or off");
@@ -80,10 +82,10 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
   script("0 set colour 1\n1 end\n", "bad.txt:1: set: \"colour\" is not a known setting");
   script("0 set delay 1.5\n1 end\n", "bad.txt:1: delay: must be a whole number");
   script("0 set delay 9\n1 end\n", "bad.txt:1: delay: is 9, must be in 0 to 8");
-  script("0 picture ../x\n1 end\n", "bad.txt:1: picture: is \"../x\", must consist of letters");
+  script("0 picture ../x\n1 end\n", "bad.txt:1: picture: is \"../x\", must have only letters");
   script("0 size 10x10\n1 end\n", "bad.txt:1: size: is \"10x10\", must be WIDTHxHEIGHT");
   script("0 pause\n", "bad.txt:1: end: is missing");
-  script("0 end\n1 pause\n", "bad.txt:2: stands after the end");
+  script("0 end\n1 pause\n", "bad.txt:2: comes after the end");
   script("0 pause now\n1 end\n", "bad.txt:1: now: is not expected here");
   script("0 renderer granite\n1 end\n",
          "bad.txt:1: renderer: is \"granite\", must be position-control, impedance, hold or passivity");
@@ -93,7 +95,8 @@ TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "good.txt", "0 end\n");
   const std::string headless = "--headless --script '" + folder / "good.txt" + "' ";
-  requireRefused(test::viewer(headless + "--set stiffness=1"), 1, "--set is for plugins, and --renderer names none");
+  requireRefused(test::viewer(headless + "--set stiffness=1"), 1,
+                 "--set is for plugins only, but --renderer does not name a plugin");
   // A parameter does not consume the following argument.
   requireRefused(test::viewer(headless + "--renderer template --set stiffness=3000 /no/such/scene.toml"), 1,
                  "/no/such/scene.toml: cannot open the file");
@@ -106,7 +109,7 @@ TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
   requireRefused(test::viewer(headless + "--gain '" + folder / "neither.json'"), 1, "neither.json: K: is missing");
   test::writeFile(folder / "surface.json", "{\"kind\": \"surface\"}");
   requireRefused(test::viewer(headless + "--gain '" + folder / "surface.json'"), 1,
-                 "surface.json: kind: is \"surface\", of position control");
+                 "surface.json: kind: is \"surface\": position control");
   // A plugin is added to the linked renderers, or replaces the one with its name.
   test::writeFile(folder / "own.txt", "0 renderer position-control\n0 renderer hold\n0 renderer template\n0 end\n");
   CHECK(test::viewer("--headless --renderer template --script '" + folder / "own.txt'").status == 0);
@@ -139,9 +142,9 @@ TEST_CASE("recordings that cannot be played, and what cannot be done with one", 
     requireRefused(test::viewer(arguments + "--script '" + folder / "bad.txt'"), 1, "bad.txt:1: " + message);
   };
   for (const char* word : {"hand", "spin", "renderer", "set", "scene", "push", "swap", "undo"})
-    script(std::string("0 ") + word, play, std::string(word) + ": is not for a recording");
+    script(std::string("0 ") + word, play, std::string(word) + ": is not available for a recording");
   for (const char* word : {"seek", "next-event", "step-back"})
-    script(std::string("0 ") + word, "--headless ", std::string(word) + ": is for a recording: there is no --play");
+    script(std::string("0 ") + word, "--headless ", std::string(word) + ": is for recordings only: give --play");
   script("0 seek -1", play, "seek: is -1, must be in 0 to 1e+09");
   std::filesystem::remove(folder / "wedge.obj");
   requireRefused(test::viewer(headless + "--play '" + folder / "mesh.rec'"), 1, "wedge.obj: cannot open the file");
@@ -175,7 +178,7 @@ TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "good.txt", "0 end\n");
   const std::string script = "--script '" + folder / "good.txt'";
-  requireRefused(test::viewer(script), 1, "no display to open a window on");
+  requireRefused(test::viewer(script), 1, "cannot open a window, no display");
   requireRefused(test::viewer("--headless " + script, "env __EGL_VENDOR_LIBRARY_DIRS=/nonexistent"), 1,
                  "no OpenGL without a display");
   if (!test::haveXvfb()) return test::skipTest("Xvfb is missing");

@@ -26,7 +26,7 @@ TEST_CASE("a scan stands below the tool, in the unit of its size, and says so", 
     INFO(unit);
     CHECK(scene.name == "wedge");
     REQUIRE(scene.notes.size() == 1);
-    CHECK(scene.notes[0].rfind(std::string("wedge.obj: 40.0 x 40.0 x 20.0 mm, taken as ") + unit + ". ", 0) == 0);
+    CHECK(scene.notes[0].rfind(std::string("wedge.obj: 40.0 x 40.0 x 20.0 mm, unit ") + unit + ". ", 0) == 0);
     CHECK(scene.notes[0].find("watertight") != std::string::npos);
     // The tool's ball starts above the highest corner, 8 + 4 mm from it. Coordinates have 6 decimals.
     Pose start;

@@ -93,7 +93,8 @@ void writeResults(const CompareOptions& options, const std::vector<Condition>& c
 void runCompare(CompareOptions options) {
   StudyOptions& study = options.study;
   if (study.threads == 0) study.threads = availableThreads();
-  if (hasPushes(options) && study.output.empty()) throw Error("the task push keeps its runs in a folder: add --output");
+  if (hasPushes(options) && study.output.empty())
+    throw Error("the task push writes its runs into a folder: give --output");
   const bool continues = hasPushes(options) && (study.resume || study.parts > 1);
   if (!study.output.empty() && !continues)
     for (const char* name : {"compare.csv", "tasks.csv", "compare.html"})
@@ -101,7 +102,7 @@ void runCompare(CompareOptions options) {
   const std::vector<std::string> wallTasks = wallTasksOf(options.tasks);
   std::vector<Condition> conditions = conditionsOf(options);
   if (hasPushes(options) && !completePushes(conditions)) {
-    fmt::print("part {} of {} is done; the last one writes the page\n", study.part, study.parts);
+    fmt::print("part {} of {} is done; the last part to finish writes the page\n", study.part, study.parts);
     return;
   }
   for (Condition& c : conditions) {

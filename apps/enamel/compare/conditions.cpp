@@ -24,7 +24,7 @@ std::vector<std::string> wallTasksOf(const std::vector<std::string>& tasks) {
   for (const std::string& task : all) known += ", " + task;
   for (const std::string& text : tasks)
     if (text != kPush && std::none_of(all.begin(), all.end(), [&](const auto& task) { return names(task, text); }))
-      throw Error("no task matches --tasks " + text + ": there are " + known);
+      throw Error("no task matches --tasks " + text + ": must be part of the name of a task: " + known);
   std::vector<std::string> chosen;
   for (const std::string& task : all)
     if (std::any_of(tasks.begin(), tasks.end(), [&](const auto& text) { return names(task, text); }))
@@ -63,7 +63,7 @@ std::string tasksTable(const std::vector<Condition>& conditions) {
 void printTasks(const Condition& condition) {
   const Study& study = condition.study;
   const double share = forceShare(*study.mechanism);
-  fmt::print("{}: plant {}, delay {}, the worst of {} runs; noise {:.3g} N, forces {:.3g} of what the names say\n",
+  fmt::print("{}: plant {}, delay {}, the worst of {} runs; noise {:.3g} N, forces scaled by {:.3g}\n",
              study.mechanism->name(), condition.plant, condition.delay, study.plan.runs,
              study.plan.setup.hand.noise * share, share);
   fmt::print("{:<16} {:<28} {:<4}", "", "", "");

@@ -86,14 +86,12 @@ void addBoxes(Page& page, const std::vector<const Condition*>& conditions, const
         if (value > 0.0) depth.extent.see(1e3 * value);
     }
   const std::string& where = plantTitle(any.plant);
-  page.figure(svgOf(stiffness),
-              fmt::format("First impact stiffness on {}, scenario 1: higher is better. Boxes: quartiles "
-                          "of the runs that have one.",
-                          where));
-  page.figure(svgOf(depth),
-              fmt::format("Largest penetration of a run on {}, scenario 1 (the form of the paper's Fig. 15): "
-                          "lower is better; dashed: the 1 mm of Table II.",
-                          where));
+  page.figure(svgOf(stiffness), fmt::format("First impact stiffness on {}, scenario 1: higher is better. Boxes: "
+                                            "quartiles of the runs that have a first impact.",
+                                            where));
+  page.figure(svgOf(depth), fmt::format("Largest penetration of a run on {}, scenario 1 (as in the paper's Fig. 15): "
+                                        "lower is better. Dashed: the limit of Table II, 1 mm.",
+                                        where));
 }
 
 void addTests(Page& page, const std::vector<const Condition*>& conditions) {
@@ -119,7 +117,8 @@ void addTasks(Page& page, const std::vector<Condition>& conditions) {
   if (conditions.front().scores.front().trials.empty()) return;
   page.heading("Every other task");
   page.paragraph(
-      "The worst run of each figure, or the mean where its name says so; in brackets the runs that were lost.");
+      "Each number is of the worst run, or the mean if the name of the row says so. The number of lost runs is in "
+      "brackets.");
   for (const Condition& c : conditions) {
     std::vector<std::string> head{plantTitle(c.plant) + ", " + delayText(c.delay)};
     for (std::size_t i = 0; i < c.scores.size(); ++i) head.push_back(escape(c.title(i)));
@@ -143,8 +142,9 @@ void addTuned(Page& page, const StudyOptions& options) {
   std::vector<std::string> items;
   const ControllerFile file = loadControllers(options.tuned);
   page.heading("The tuned values");
-  page.paragraph("Found on " + escape(file.model) +
-                 " by <code>enamel design --rivals</code>: the same search under the same limits for each.");
+  page.paragraph(
+      "Found on " + escape(file.model) +
+      " by <code>enamel design --rivals</code>, with the same search and the same limits for each controller.");
   for (const ControllerValues& found : file.controllers) {
     const ControllerSpec& spec = rivalSpec(found.controller);
     std::string text =
@@ -160,15 +160,16 @@ void addTuned(Page& page, const StudyOptions& options) {
 }
 
 void addRanking(Page& page, const CompareOptions& options, const std::vector<Condition>& conditions) {
-  page.heading("In a hurry");
+  page.heading("Summary");
   for (const std::string& plant : options.plants) page.paragraph(sentenceOf(onPlant(conditions, plant)));
-  page.heading("Which renderer would a user want?");
+  page.heading("Ranking");
   page.paragraph(
-      "Ranks from 1, the mean over six things that a hand feels: how deep the tool goes, how much the motors chatter, "
-      "how much a frictionless wall drags, whether it pulls when let go, how much energy it gives, and what share of "
-      "the stiffness that physics allows it reaches. A renderer that loses runs ranks behind those that lose fewer. "
-      "Values that a hand does not feel count as zero: chatter below 0.05 N m, drag below 3.5 %, a pull below 0.1 N, "
-      "energy below 1 mJ.");
+      "Rank 1 is the best. The rank is the mean of six ranks of what a hand feels. These are the depth of the tool, "
+      "the chatter of the motors, and the drag of a frictionless wall. The others are the pull after a release, the "
+      "energy that the wall gives, and the stiffness as a share of the physical limit. A renderer that loses runs "
+      "ranks behind those that "
+      "lose fewer. Values that a hand does not feel count as zero: chatter below 0.05 N m, drag below 3.5 %, a pull "
+      "below 0.1 N, energy below 1 mJ.");
   for (const std::string& plant : options.plants) {
     const std::vector<const Condition*> here = onPlant(conditions, plant);
     std::string name = plantTitle(plant);
@@ -179,11 +180,12 @@ void addRanking(Page& page, const CompareOptions& options, const std::vector<Con
     for (const Condition* c : here) addFeel(page, *c);
   }
   page.note(
-      "K_z1, depth, energy and share are of scenario 1, each with the 95 % interval of its mean where it has one; "
-      "drag is the tangential over the normal force while a hand slides at 0.1 m/s, pull the strongest while a push "
-      "of 12 N turns to a pull of 1 N, both the worst of as many runs as a point has. Delays are in ticks.");
-  page.heading("Are the differences real?");
-  page.paragraph("Welch's test on the largest penetration of the runs of scenario 1.");
+      "K_z1, depth, energy and share are of scenario 1, with the 95 % interval of the mean if there is one. Drag is "
+      "the tangential force divided by the normal force while a hand slides at 0.1 m/s. Pull is the largest pulling "
+      "force while a push of 12 N turns into a pull of 1 N. Drag and pull are the worst of as many runs as a point "
+      "has. Delays are in ticks.");
+  page.heading("Significance of the differences");
+  page.paragraph("Welch's test of the largest penetration in the runs of scenario 1.");
   for (const std::string& plant : options.plants) {
     page.paragraph("<b>" + plantTitle(plant) + "</b>");
     addTests(page, onPlant(conditions, plant));
@@ -243,8 +245,8 @@ std::string sentenceOf(const std::vector<const Condition*>& conditions) {
   }
   if (compared > 0)
     text += fmt::format(
-        " Its walls by position control are {} times as stiff as the stiffest rival that "
-        "loses no run ({} delay{}; Welch: p {} {:.1g}).",
+        " The walls of position control are {} times as stiff as those of the stiffest rival that loses no run ({} "
+        "delay{}; Welch: p {} {:.1g}).",
         fmt::format(compared == 1 ? "{:.2g}" : "{:.2g} to {:.2g}", least, most), compared, compared == 1 ? "" : "s",
         p < 1e-4 ? "&lt;" : "up to", std::max(p, 1e-4));
   if (lost > 0) text += fmt::format(" Position control loses {} of {} runs.", lost, runs);

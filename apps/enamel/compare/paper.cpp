@@ -93,12 +93,12 @@ std::string delayClaim(const Condition& c, const RendererScore& s) {
   const double most = deepestOf(s.depth);
   if (s.depth.empty())
     return fmt::format(
-        "“With a random delay 3 of 90 runs pass 1 mm, none 1.1 mm” ({}): every run is lost, "
-        "<b>refuted</b> for rates that come from encoders. The paper's are exact: see lib/docs/plants.md.",
+        "“With a random delay, 3 of 90 runs exceed 1 mm, none exceeds 1.1 mm” ({}): every run is lost, <b>refuted</b> "
+        "for rates from encoders. The paper uses exact rates: see lib/docs/plants.md.",
         plantTitle(c.plant));
   return fmt::format(
-      "“With a random delay 3 of 90 runs pass 1 mm, none 1.1 mm” ({}): {} of {} runs that were finished pass it, "
-      "the deepest reaches {:.2f} mm, and {} of {} are lost: <b>{}</b>. (The paper has exact rates, here they "
+      "“With a random delay, 3 of 90 runs exceed 1 mm, none exceeds 1.1 mm” ({}): {} of {} finished runs exceed 1 mm, "
+      "and the deepest reaches {:.2f} mm. {} of {} runs are lost: <b>{}</b>. (The paper uses exact rates, here they "
       "come from encoders.)",
       plantTitle(c.plant), deep, s.depth.size(), 1e3 * most, s.lost, s.runs,
       s.lost == 0 && deep <= 3 && most < 1.1e-3 ? "holds" : "refuted");
@@ -145,13 +145,13 @@ void addPaper(Page& page, const std::vector<Condition>& conditions) {
   page.heading("The paper's claims");
   addClaims(page, conditions);
   page.paragraph(
-      "Table III: the largest penetration of a run, without delay and, in brackets, with a random one. The paper: all "
-      "within 1 mm; with a random delay 3 of 90 above it, none above 1.1 mm.");
+      "Table III: the largest penetration of a run without delay and, in brackets, with a random delay. In the paper, "
+      "all runs stay within 1 mm; with a random delay, 3 of 90 exceed it and none exceeds 1.1 mm.");
   addTableThree(page, conditions);
   page.paragraph(
-      "Table IV: the lowest of the servo over the wall against the highest of the paper's spring of 6000 N/m. The "
-      "paper: K_z1 17 174 against 3 112.6, in co-simulation 16 743 (13 367 with a random delay) against 5 360.2; "
-      "K_zs 92 387 against 6 180.5, in co-simulation 34 306 (54 634) against 6 302.2.");
+      "Table IV: the lowest stiffness of the servo over the wall against the highest of the paper's spring of 6000 "
+      "N/m. In the paper, K_z1 is 17 174 against 3 112.6, and in co-simulation 16 743 (13 367 with a random delay) "
+      "against 5 360.2. K_zs is 92 387 against 6 180.5, and in co-simulation 34 306 (54 634) against 6 302.2.");
   addTableFour(page, conditions);
 }
 

@@ -13,7 +13,7 @@ addEventListener('unhandledrejection', event => fail(event.reason));
 
 async function load() {
   if (typeof DecompressionStream === 'undefined')
-    throw new Error('This page needs a browser of 2023 or later (DecompressionStream).');
+    throw new Error('This page needs a browser from 2023 or later (DecompressionStream).');
   const packed = Uint8Array.from(atob($('data').textContent), c => c.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
   const bytes = await new Response(stream).arrayBuffer();
@@ -414,7 +414,7 @@ load().then(page => {
   document.title = 'Enamel: ' + $('title').textContent;
   const rate = Math.round(1 / first.period);
   $('about').textContent = end.toFixed(1) + ' s at ' + rate + ' Hz' + (shown.length < sides.length
-    ? '; the right law was asked what it would answer to the motion of the left one' : '');
+    ? '; the right renderer answers the motion of the left one' : '');
 
   const renderer = new THREE.WebGLRenderer({canvas: $('view'), antialias: true, preserveDrawingBuffer: true});
   renderer.setPixelRatio(devicePixelRatio || 1);

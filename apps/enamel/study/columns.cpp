@@ -38,7 +38,8 @@ class DampingOption {
         throw Error("--device-damping is given twice for " + (name.empty() ? "every renderer" : name));
     }
     if (values_.size() > 1 && values_.count("") > 0)
-      throw Error("--device-damping gives a value for every renderer and one for " + values_.rbegin()->first);
+      throw Error("--device-damping must not give both a value for every renderer and one for " +
+                  values_.rbegin()->first);
     unused_ = values_;
     unused_.erase("");
   }
@@ -103,7 +104,8 @@ class Plugins {
   }
 
   void requireAllUsed() const {
-    if (!unused_.empty()) throw Error("--set gives " + unused_.begin()->first + ", which no plugin of --renderers has");
+    if (!unused_.empty())
+      throw Error("--set gives " + unused_.begin()->first + ", which is not a parameter of any plugin in --renderers");
   }
 
  private:
@@ -118,7 +120,7 @@ std::vector<double> valuesFor(const std::string& path, const std::string& rival,
                 " needs --tuned: a file of enamel design --rivals, or servos/rivals-tau.json of the data");
   for (const ControllerValues& found : loadControllers(path).controllers)
     if (found.controller == rival && found.delayLow == delay.low && found.delayHigh == delay.high) return found.values;
-  throw Error(fmt::format("{}: has no {} for a delay of {} to {} ticks", path, rival, delay.low, delay.high));
+  throw Error(fmt::format("{}: has no values of {} for a delay of {} to {} ticks", path, rival, delay.low, delay.high));
 }
 
 // Makes the renderer of a column for a query point.
@@ -214,7 +216,9 @@ void addColumns(Study& study, ColumnRecords& records) {
   for (const std::string& text : options.renderers) {
     const RendererChoice choice = choiceOf(text);
     if (choice.name.find_first_of(",\"") != std::string::npos || printable(choice.name) != choice.name)
-      throw Error(text + ": its name heads lines of CSV files: it must have no comma, quote or control character");
+      throw Error(text +
+                  ": the name of a renderer is written into CSV files and must not contain a comma, quote or control "
+                  "character");
     for (const StudyColumn& other : plan.columns)
       if (other.name == choice.name) throw Error("--renderers names " + choice.name + " twice");
     const double more = damping.of(choice.plugin ? choice.plugin->description().name : choice.name);

@@ -77,11 +77,10 @@ Figure stabilityFigure(const Study& study) {
   return {
       "impedance-stability", svg.whole("stability of a spring-damper wall", 52.0 + 2.0 * kHigh + 34.0 + 46.0),
       fmt::format(
-          "Where a wall that is rendered as a spring K with a damper B is stable on this device (simulated: the "
-          "motion after a push of 12 N dies out within 3 s; effective mass {} kg, mechanical damping {} N s/m, ticks "
-          "of {} ms), and the bound of eq. 16, left of and below which a wall is passive. To see: how much beyond the "
-          "bound is stable, and what delay, of which eq. 16 says nothing, leaves of it: the stiffest stable K of all "
-          "is {} kN/m at 0, 1, 2 and 3 ticks.",
+          "Stability of a wall that is rendered as a spring K with a damper B on this device. In simulation, the "
+          "motion after a push of 12 N decays within 3 s (effective mass {} kg, mechanical damping {} N s/m, ticks of "
+          "{} ms). Walls left of and below the bound of eq. 16 are passive. More walls are stable than eq. 16 allows, "
+          "but delay, which eq. 16 ignores, makes them fewer: the largest stable K is {} kN/m at 0, 1, 2 and 3 ticks.",
           numberText(device.mass), givenText(device.damping), givenText(1e3 * device.period), join(stiffest, ", "))};
 }
 
@@ -126,8 +125,8 @@ Figure convergenceFigure(const Convergence& c) {
       "convergence", svg.whole("speed against error", top + kHigh + 46.0),
       fmt::format(
           "Speed against error of the integration: 1, 2, 4 and 8 steps a tick from left to right, against {} with {} "
-          "steps; a method that misses an event is not drawn. Dashed: the error that is allowed, {} %. To see: which "
-          "method is the fastest below it.",
+          "steps; a method that misses an event is not drawn. Dashed: the allowed error, {} %. The best method is the "
+          "fastest below this line.",
           nameOf(c.reference.integrator), c.reference.substeps, givenText(100.0 * c.allowed))};
 }
 

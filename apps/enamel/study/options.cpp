@@ -23,52 +23,51 @@ std::pair<int, int> parsePart(const std::string& text) {
 
 void addRendererOptions(CLI::App& command, StudyOptions& options) {
   command
-      .add_option(
-          "--renderers", options.renderers,
-          "separated by commas; passivity: impedance under a time-domain passivity controller; hold-scheduled: hold "
-          "with a servo designed at every query point; tuned:NAME: a rival with the values of --tuned; impedance-edge: "
-          "a spring at four times the rate, as stiff as eq. 16 allows; FILE.json: hold with this "
-          "servo file; also names and paths of plugins")
+      .add_option("--renderers", options.renderers,
+                  "renderers, separated by commas: those of enamel push; hold-scheduled: hold with a servo designed at "
+                  "every query point; tuned:NAME: a rival with the values of --tuned; impedance-edge: a spring at four "
+                  "times the rate, as stiff as eq. 16 allows; FILE.json: hold with this servo file")
       ->delimiter(',')
       ->capture_default_str();
-  command.add_option("--set", options.set, "parameter of the plugins that have it, KEY=VALUE; may be given again")
+  command.add_option("--set", options.set, "parameter of all plugins that have it, KEY=VALUE; may be repeated")
       ->allow_extra_args(false);
   command.add_option("--device", options.device, "device file (TOML)");
   command.add_option("--design-device", options.designDevice,
-                     "device file that hold and the rivals are designed on; without it, --device");
+                     "device file for which hold and the rivals are designed; default: --device");
   command
       .add_option("--device-damping", options.deviceDamping,
-                  "mechanical damping of the TCP along z beyond the device file's, N s/m: B for every renderer, or\n"
-                  "NAME=B,... for some; the default is the paper's baseline")
+                  "mechanical damping of the TCP along z, N s/m, added to that of the device file: B for every "
+                  "renderer, or\nNAME=B,... for some; the default is the paper's baseline")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->capture_default_str();
   command.add_option("--gain", options.gain,
-                     "file of enamel design: the servo of hold at every query point; without it, as designed at home");
+                     "file of enamel design with the servo of hold at every query point; default: designed at home");
   command.add_option("--tuned", options.tuned, "file of enamel design --rivals, for tuned:NAME");
   command.add_flag("--release", options.release,
-                   "the hold ends when the wall would pull, as in enamel push; without it never, as in the paper");
+                   "hold ends when the wall would pull, as in enamel push; default: it never ends, as in the paper");
 }
 
 void addPushOptions(CLI::App& command, StudyOptions& options) {
-  command.add_option("--scenario", options.scenarios, "1: step of force; 2: a hand moves in; both: 1,2")
+  command.add_option("--scenario", options.scenarios, "1: a step of force; 2: a hand moves into the wall; 1,2: both")
       ->delimiter(',')
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
-  command.add_option("--runs", options.runs, "a query point")->capture_default_str();
-  command.add_option("--grid", options.grid, "query points a side of the 50 mm square")->capture_default_str();
+  command.add_option("--runs", options.runs, "runs at each query point")->capture_default_str();
+  command.add_option("--grid", options.grid, "query points on each side of the square of 50 mm")->capture_default_str();
   command.add_option("--scene", options.scene,
-                     "scene file (TOML), pushed where its surface is nearest to its start: --grid 1; without it the "
-                     "wall z = 0");
-  command.add_option("--force", options.force, "LOW,HIGH: F_c is uniform between, N")
+                     "scene file (TOML), needs --grid 1; the push is where its surface is nearest to its start; "
+                     "default: the wall z = 0");
+  command.add_option("--force", options.force, "LOW,HIGH: range of F_c, which is distributed uniformly, N")
       ->delimiter(',')
       ->expected(2)
       ->capture_default_str();
-  command.add_option("--preload", options.preload, "pressed with this until the step of scenario 1, with the noise, N")
+  command.add_option("--preload", options.preload, "force before the step of scenario 1, with noise, N")
       ->capture_default_str();
   command.add_option("--tip", options.tip_mm, kTipHelp)->delimiter(',')->expected(3);
-  command.add_flag("--arm", options.arm, "scenario 1 pushes through the mass of an arm and a grip (kArm, hand.hpp)");
-  command.add_option("--guard", options.guard, "off: every torque passes, and loops run to their end")
+  command.add_flag("--arm", options.arm,
+                   "push scenario 1 through the mass of an arm and a grip (kArm, lib/include/enamel/sim/hand.hpp)");
+  command.add_option("--guard", options.guard, "guard; off: every torque passes, and loops run to their end")
       ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"on", true}, {"off", false}}))
       ->default_str("on");
 }
@@ -78,13 +77,14 @@ void addPushOptions(CLI::App& command, StudyOptions& options) {
 void addStudyOptions(CLI::App& command, const std::shared_ptr<StudyOptions>& options) {
   addRendererOptions(command, *options);
   addPushOptions(command, *options);
-  command.add_option("--seed", options->seed, "of everything random")->capture_default_str();
-  command.add_option("--threads", options->threads, "without it, one a core; the result does not depend on it");
+  command.add_option("--seed", options->seed, "seed of all random numbers")->capture_default_str();
+  command.add_option("--threads", options->threads,
+                     "number of threads; default: one a core; the result does not depend on it");
   command.add_option_function<std::string>(
       "--part", [options](const std::string& text) { std::tie(options->part, options->parts) = parsePart(text); },
-      "I/N: performs the I-th of N parts of the runs; the process that ends last joins them. Under Open MPI "
-      "(mpirun -n N enamel ...) every process takes its own");
-  command.add_flag("--resume", options->resume, "continue what is in the folder");
+      "I/N: perform part I of N of the runs; the process that finishes last joins them. Under Open MPI (mpirun -n N "
+      "enamel ...) every process chooses its own part");
+  command.add_flag("--resume", options->resume, "continue the study in the folder");
   addOverwrite(command, options->overwrite);
 }
 
@@ -93,7 +93,7 @@ void takeRank(const CLI::App& command, StudyOptions& options) {
   if (size != nullptr && rank != nullptr && command.count("--part") == 0)
     std::tie(options.part, options.parts) = parsePart(fmt::format("{}/{}", 1 + std::atoi(rank), size));
   if (options.overwrite && (options.resume || options.parts > 1))
-    throw Error("--overwrite starts again: it excludes --resume and --part; remove " + options.output +
+    throw Error("--overwrite starts again and excludes --resume and --part; remove the folder " + options.output +
                 " to start parts again");
 }
 

@@ -48,7 +48,7 @@ void placePush(Study& study, SourceTexts& texts) {
   StudyPlan& plan = study.plan;
   if (!options.scene.empty()) {
     if (options.grid != 1 || options.tip_mm != StudyOptions().tip_mm)
-      throw Error("--scene has one query point and a tool of its own: it needs --grid 1 and no --tip");
+      throw Error("--scene has one query point and its own tool: give --grid 1 and omit --tip");
     texts.scene = readFile(options.scene);
     setScene(parseScene(texts.scene, options.scene), plan.setup);
     plan.middle = plan.setup.start.position;
@@ -69,7 +69,8 @@ void setPlan(Study& study, SourceTexts& texts) {
   plan.setup.hand.noise = options.noise;
   if (options.arm) plan.setup.hand.arm = kArm;
   if (!(0.0 <= options.force[0] && options.force[0] <= options.force[1] && options.force[1] <= 1e3))
-    throw Error(fmt::format("--force is {},{}, must be in 0 to 1000 N, low first", options.force[0], options.force[1]));
+    throw Error(
+        fmt::format("--force is {},{}, must be in 0 to 1000 N, the smaller first", options.force[0], options.force[1]));
   plan.lowestForce = options.force[0];
   plan.highestForce = options.force[1];
   placePush(study, texts);

@@ -91,7 +91,7 @@ void addCloseUp(Svg& svg, double top, bool step, const Responses& r, double to) 
   if (step) near.low = 0.99, near.high = 1.15;
   Panel panel(svg, {kPanelLeft, top}, kPanelWide, 2.0 * kPanelHigh, near,
               step ? depthAxis(r) : still.axis("z (µm)", 0.06),
-              step ? "all of them at the step, same scale of z" : "all of them on the scale of " + stillest.title);
+              step ? "all renderers at the step, same scale of z" : "all renderers on the scale of " + stillest.title);
   for (Curve depth : r.depths) {
     if (!step)
       for (double& value : depth.values) value *= 1e3;
@@ -167,8 +167,8 @@ Figure deviceFigure(const Study& study) {
   return {"fig06-device", svg.whole("the device and the query points", kTop + scale * size.y() + 46.0),
           fmt::format("The device at home, to scale, and the {} query points (red) on the wall z = 0 (yellowish; after "
                       "the paper's Fig. 6). Dark: the first link of each chain with its motors' joints q; light: the "
-                      "second; green: the tool's handle. The person pushes the tool to the left in the view from the "
-                      "side. To see: every push begins on the wall, and the points cover x and y from {} to {} mm.",
+                      "second; green: the tool's handle. In the view from the side, the person pushes the tool to the "
+                      "left. Every push begins on the wall. The points cover x and y from {} to {} mm.",
                       study.plan.points(), givenText(-edgeOf(study)), givenText(edgeOf(study)))};
 }
 
@@ -196,11 +196,11 @@ Figure responseFigure(const Study& study, int scenario) {
       fmt::format("fig0{}-response-{}", step ? 8 : 9, scenario),
       svg.whole(fmt::format("responses in scenario {}", scenario), top),
       fmt::format("Scenario {}: one typical run at {} mm with F_c = {:.1f} N (after the paper's Fig. {}). Top: the "
-                  "person's force into the wall. Below: where the tool is with each renderer, all on one scale; the "
-                  "wall is dashed, below it is inside. Bottom: {}. To see: how deep the tool goes, at most {}.",
+                  "person's force into the wall. Below: the position of the tool with each renderer, on one scale; the "
+                  "wall is dashed, its inside is below. Bottom: {}. Largest depths: {}.",
                   scenario, pointText(study, middle), r.run.force, step ? 8 : 9,
                   step ? "the first 0.15 s after the step"
-                       : fmt::format("the same, magnified to the range of {}; what leaves it is cut off",
+                       : fmt::format("the same, magnified to the range of {}; curves are cut off outside this range",
                                      escape(stillestOf(r.depths).title)),
                   join(deepest, ", "))};
 }
@@ -241,8 +241,8 @@ Figure torqueFigure(const Study& study) {
   return {"fig11-torque", svg.whole("torque at two query points", top + kHigh + 46.0),
           fmt::format(
               "Torque of joint {} under a step of {:.0f} N at 1 s with {}, at two query points with the same noise "
-              "(after the paper's Fig. 11). To see: at which of them the joint works harder; the motor's limit is {} "
-              "N m.",
+              "(after the paper's Fig. 11). The figure shows at which point the torque is larger. The motor's limit is "
+              "{} N m.",
               last + 1, kForce, escape(study.labels[hold].title), givenText(study.mechanism->limits().effort[last]))};
 }
 

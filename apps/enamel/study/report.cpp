@@ -21,7 +21,7 @@ void addFigures(Page& page, const std::vector<Figure>& figures, const std::strin
 
 void addClaims(Page& page, const std::vector<Claim>& claims) {
   if (claims.empty()) return;
-  page.heading("Does the paper's ordering hold here, for its servo (hold) and for position control?");
+  page.heading("The paper's claims for its servo (hold) and for position control");
   std::vector<std::vector<std::string>> rows;
   for (const Claim& c : claims)
     rows.push_back({escape(c.text), escape(c.measured), c.holds ? "holds" : "does not hold"});
@@ -40,17 +40,17 @@ void addRequirements(Page& page, const Study& study) {
       {"requirement", "worst of joints or axes", "limit", ""}, rows,
       fmt::format("The servo of hold {}, on its linear model at home: steps of 0.01 rad, of 10 N and of 0.1 N m.",
                   study.options.gain.empty() ? "with the paper's weights, designed at home" : "from --gain"));
-  page.note(fmt::format(
-      "The limits do not fit each other (0.001 rad at a lever of 0.1 m is 0.1 mm, not 1 mm){}: <code>enamel "
-      "design --tune</code> finds what ours can do.",
-      study.options.gain.empty() ? ", and these weights were found for another device" : ""));
+  page.note(
+      fmt::format("The limits are inconsistent: 0.001 rad at a lever of 0.1 m is 0.1 mm, not 1 mm{}. <code>enamel "
+                  "design --tune</code> finds the best servo for this device.",
+                  study.options.gain.empty() ? ". The paper's weights were found for another device" : ""));
 }
 
 void addSpringLimits(Page& page, const Study& study, const Findings& findings, const std::vector<Figure>& figures) {
   const ImpedanceOptions& spring = study.options.impedance;
   const WallDevice wall = wallDeviceOf(study);
   if (wall.damping > 0.0) {
-    page.heading("How stiff can a spring be rendered?");
+    page.heading("The stiffest passive spring");
     addFigures(page, figures, "impedance-stability");
     const double passive = 2.0 * wall.damping / wall.period;
     std::string text = fmt::format("With {} N s/m of damping eq. 16 allows a spring of {} N/m.",
@@ -80,22 +80,23 @@ void addConvergence(Page& page, const Study& study, const Convergence& c) {
                     m.worst < c.allowed ? "met" : "not met"});
   page.table({"integrator", "steps a tick", "ms per simulated s", "largest error of position, m",
               "largest relative error of a metric", fmt::format("below {:.2g} %", 100.0 * c.allowed)},
-             rows,
-             "Methods of integration between ticks; “other events” where a run misses an event of the reference.");
+             rows, "Methods of integration between ticks; “other events”: a run misses an event of the reference.");
   const PushSetup& setup = study.plan.setup;
   if (c.cheapest < c.methods.size()) {
     const IntegrationMethod& m = c.methods[c.cheapest].method;
     const bool same = m.integrator == setup.integrator && m.substeps == setup.substeps;
-    page.paragraph(fmt::format(
-        "The cheapest with an error below {:.2g} % in every metric is {} with {} step{} a tick; the study uses {}.",
-        100.0 * c.allowed, nameOf(m.integrator), m.substeps, m.substeps > 1 ? "s" : "",
-        same ? "it: it is the default" : fmt::format("{} with {}", nameOf(setup.integrator), setup.substeps)));
+    page.paragraph(
+        fmt::format("The cheapest method with an error below {:.2g} % in every metric is {} with {} step{} a tick; the "
+                    "study uses {}.",
+                    100.0 * c.allowed, nameOf(m.integrator), m.substeps, m.substeps > 1 ? "s" : "",
+                    same ? "it by default" : fmt::format("{} with {}", nameOf(setup.integrator), setup.substeps)));
   } else {
     page.paragraph(fmt::format("No method keeps the error of every metric below {:.2g} %.", 100.0 * c.allowed));
   }
   page.note(fmt::format(
       "Errors against {} with {} steps a tick, relative to the largest value of the metric over the runs of the same "
-      "renderer and scenario; {} with half as many steps differs by {}. Processor time of one thread, whole loop.",
+      "renderer and scenario; {} with half as many steps differs by {}. The processor time is that of one thread for "
+      "the whole loop.",
       nameOf(c.reference.integrator), c.reference.substeps, nameOf(c.reference.integrator),
       numberText(c.referenceError, 2)));
 }
@@ -106,7 +107,7 @@ void addSettings(Page& page, const Study& study) {
   const auto manifest = nlohmann::ordered_json::parse(study.manifest);
   for (const auto& [key, value] : manifest.items())
     cells.push_back({escape(key), value.is_string() ? escape(value.get<std::string>()) : escape(value.dump())});
-  page.table({"setting", "value"}, cells, "Everything that the numbers depend on.");
+  page.table({"setting", "value"}, cells, "All settings that the numbers depend on.");
 }
 
 // All sections except the convergence.
@@ -164,8 +165,8 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
   return page.whole(
       findings.whole ? "On a stiff wall: " + escape(title) : "Speed against error of the integration",
       fmt::format("{}; {} query points, {} runs each. After “A Position-Control Based Approach to Haptic Rendering of "
-                  "Stiff Objects” (“the paper”), sections V and VI; the copy that Enamel follows names neither its "
-                  "authors nor its year or DOI.",
+                  "Stiff Objects” (“the paper”), sections V and VI; our copy of the paper does not give its authors, "
+                  "year or DOI.",
                   escape(nameOf(study.device)), study.plan.points(), study.plan.runs));
 }
 

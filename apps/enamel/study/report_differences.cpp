@@ -24,7 +24,7 @@ std::string trend(double low, double high) {
 
 std::string alongY(const Study& study, const std::vector<double>& k) {
   return fmt::format(
-      "<b>K_z1 along y.</b> The paper's rises with y. Here K_z1 of hold (no noise, {:.0f} N, means over x) {} from "
+      "<b>K_z1 along y.</b> The paper's rises with y. Here, K_z1 of hold (no noise, {:.0f} N, means over x) {} from "
       "y = {} to {} mm: {} to {} kN/m.",
       kSurveyForce, trend(k.front(), k.back()), givenText(-1e3 * study.plan.halfWidth),
       givenText(1e3 * study.plan.halfWidth), numberText(1e-3 * k.front()), numberText(1e-3 * k.back()));
@@ -52,9 +52,9 @@ std::string saturation(const Study& study, const std::vector<SurveyPoint>& point
                                    study.plan.points());
   const double limit = study.mechanism->limits().effort[most];
   return fmt::format(
-      "<b>Saturation.</b> {}Under {:.0f} N {}; the most loaded is joint {} with at most {:.2f} of {:.3g} N m. "
-      "Gravity takes at most {:.3f} N m (joint {}{}). With motors that never saturate K_z1 changes by at most "
-      "{:.2g} %: saturation {} the reason for the trend.",
+      "<b>Saturation.</b> {}Under {:.0f} N {}; the most loaded joint is {} with at most {:.2f} of {:.3g} N m. "
+      "Gravity takes at most {:.3f} N m (joint {}{}). With motors that never saturate, K_z1 changes by at most {:.2g} "
+      "%: saturation {} the reason for the trend.",
       study.isTau() ? "The paper suspects joint 6, which carries most of its device's weight. " : "", kHardForce,
       saturatedText.empty() ? "no joint saturates" : "motors saturate (" + saturatedText + ")", most + 1, peak[most],
       limit, gravity[heaviest], heaviest + 1, study.isTau() ? fmt::format("; joint 6: {:.3f}", gravity[5]) : "",
@@ -68,19 +68,18 @@ std::string reason(const Study& study, const Findings& findings, std::size_t hol
   const double withMass = correlation(values, over(points, [](const SurveyPoint&p) { return p.mass; })),
                withLever = correlation(values, over(points, [](const SurveyPoint&p) { return 1.0 / p.lever; }));
   std::string text = fmt::format(
-      "<b>Reason.</b> Over the wall K_z1 is correlated by {:.2f} with the device's effective mass (what a force "
-      "along the normal has to move) and by {:.2f} with the inverse of the lever |dz/dq| of the joints{}.",
+      "<b>Reason.</b> Over the wall, the correlation of K_z1 with the device's effective mass is {:.2f}. Its "
+      "correlation with the inverse of the lever |dz/dq| of the joints is {:.2f}{}.",
       withMass, withLever,
-      withMass > 0.7 && withLever > 0.7
-          ? ": the servo is stiff in the joints, and the same joint stiffness holds less where the joints move the "
-            "tool more"
-          : "");
+      withMass > 0.7 && withLever > 0.7 ? ". The servo has the same stiffness in the joints everywhere: the tool is "
+                                          "softer at points where the joints move it more"
+                                        : "");
   if (const std::size_t scheduled = study.column(ColumnKind::scheduled); scheduled < study.plan.columns.size()) {
     const std::vector<double> s = row(study, findings, scheduled, stiffnessOf);
     const double gone = (s.back() / s.front() - 1.0) / (k.back() / k.front() - 1.0);
     text += fmt::format(
-        " A servo designed at every query point {} by {} instead of {}: {:.0f} % of the trend is the device's, the "
-        "rest comes from a servo that was designed at home.",
+        " With a servo designed at every query point, K_z1 {} by {} instead of {}. Thus {:.0f} % of the trend is due "
+        "to the device, the rest to the design at home.",
         s.back() > s.front() ? "rises" : "falls", percent(std::abs(s.back() / s.front() - 1.0)),
         percent(std::abs(k.back() / k.front() - 1.0)), 100.0 * gone);
   }
@@ -93,8 +92,8 @@ std::string lastJoint(const Study& study, const std::vector<SurveyPoint>& points
   return fmt::format(
       "<b>Joint 6.</b> {}: its largest torque under {:.0f} N is {:.3f} N m at the lowest y and {:.3f} N m at the "
       "highest.",
-      low.front() > low.back() ? "As in the paper, it works harder at the bottom"
-                               : "Other than in the paper, it works harder at the top",
+      low.front() > low.back() ? "As in the paper, its torque is larger at the bottom"
+                               : "Unlike in the paper, its torque is larger at the top",
       kHardForce, low.front(), low.back());
 }
 
@@ -102,21 +101,20 @@ std::string impedance(const Study& study, const Findings& findings, std::size_t 
   const std::vector<double> k = row(study, findings, spring, stiffnessOf);
   const double uniformity = uniformityOf(findings.survey[spring]), rendered = study.options.impedance.stiffness;
   return fmt::format(
-      "<b>Impedance.</b> {}: uniformity {} without noise; the first impact reaches {} of the {:.0f} N/m "
-      "that are rendered.",
-      uniformity < 0.05 ? "As in the paper the map is flat" : "Other than in the paper the map is not flat",
+      "<b>Impedance.</b> {}: uniformity {} without noise. The first impact reaches {} of the rendered {:.0f} N/m.",
+      uniformity < 0.05 ? "As in the paper, the map is flat" : "Unlike in the paper, the map is not flat",
       percent(uniformity), percent(spreadOf(k).mean / rendered), rendered);
 }
 
 std::string steady(const Study& study, const Findings& findings, const WallSummary& w) {
   return fmt::format(
-      "<b>K_zs, scenario {}.</b> Lowest {} N/m, the paper's is {} N/m: the servo's integrators take the mean "
-      "penetration to zero, what is left is {}.",
+      "<b>K_zs, scenario {}.</b> The lowest is {} N/m, the paper's is {} N/m. The servo's integrators reduce the mean "
+      "penetration to zero, the rest is {}.",
       w.scenario, steadyText(pointOf(findings, w, w.lowestSteady->point).of(&PushMetrics::steadyCompliance)),
       w.scenario == 1 ? "92 387" : "65 002",
       w.scenario == 1 ? "the first impact averaged over 2 s"
       : w.unresolved > 0
-          ? fmt::format("noise, so that {} of {} points are not resolved at all", w.unresolved, study.plan.points())
+          ? fmt::format("noise, so that {} of {} points are not resolved", w.unresolved, study.plan.points())
           : std::string("noise"));
 }
 
@@ -124,10 +122,10 @@ std::string steady(const Study& study, const Findings& findings, const WallSumma
 
 void addDifferences(Page& page, const Study& study, const Findings& findings) {
   if (study.plan.grid < 2) return;
-  page.heading("Where this device differs from the paper's, and why");
+  page.heading("Differences from the paper's device and their reasons");
   for (const auto& points : findings.survey)
     if (!std::isfinite(uniformityOf(points))) {
-      page.paragraph("At some query points a push has no first impact: no trend is stated.");
+      page.paragraph("At some query points a push has no first impact, so this report states no trend.");
       return;
     }
   const std::size_t hold = study.column(ColumnKind::hold), spring = study.column(ColumnKind::impedance),

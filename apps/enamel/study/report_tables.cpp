@@ -39,7 +39,7 @@ void addTableFour(Page& page, const Study& study, const Findings& findings) {
       if (w == nullptr) return std::string("–");
       const std::optional<Extreme>& e = row.first ? (row.lowest ? w->lowestFirst : w->highestFirst)
                                                   : (row.lowest ? w->lowestSteady : w->highestSteady);
-      if (!e) return std::string(row.first ? "no run has one" : "unresolved");
+      if (!e) return std::string(row.first ? "no run has K_z1" : "unresolved");
       const PointStatistics& p = pointOf(findings, *w, e->point);
       std::string text =
           row.first ? meanText(p.of(&PushMetrics::firstStiffness)) : steadyText(p.of(&PushMetrics::steadyCompliance));
@@ -53,17 +53,16 @@ void addTableFour(Page& page, const Study& study, const Findings& findings) {
     if (ours) line.push_back(row.lowest ? measured(ColumnKind::positionControl) : "–");
     cells.push_back(line);
   }
-  page.table(
-      head, cells,
-      "The form of the paper's Table IV: lowest and highest of the query points' means, at (x, y). In brackets in the "
-      "paper's co-simulation: with a random delay. The paper gives no intervals.");
+  page.table(head, cells,
+             "In the form of the paper's Table IV: the lowest and highest of the query points' means, at (x, y). "
+             "Values in brackets in the paper's co-simulation are with a random delay. The paper gives no intervals.");
   page.note(
-      "The paper's servo is hold; the paper has no position control. The paper's device is not ours: compare "
-      "magnitudes and order.");
+      "The paper's servo is hold; the paper does not have Enamel's position control. The paper uses another device: "
+      "compare only magnitudes and order.");
 }
 
 void addMeasures(Page& page, const Study& study, const Findings& findings) {
-  page.heading("Beside the paper's metrics");
+  page.heading("Further metrics");
   for (const int scenario : study.plan.scenarios) {
     std::vector<const WallSummary*> walls;
     for (const WallSummary& w : findings.walls)
@@ -102,16 +101,16 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
         [&](const WallSummary& w) { return givenText(study.labels[w.column].damping); });
     row("largest |C_zs|, µm/N", "of the mean",
         worst([](const PointStatistics& p) { return p.of(&PushMetrics::steadyCompliance); }, false, 1e6));
-    row("lowest F_c / rms depth, N/m", "over the steady state, which cannot be zero by chance as D_zs can",
+    row("lowest F_c / rms depth, N/m", "rms over the steady state; unlike D_zs it cannot be zero by chance",
         worst([](const PointStatistics& p) { return p.forceOverRms; }, true, 1.0));
-    row("lowest F_c / depth 95 %, N/m", "the depth that 95 % of the steady state's ticks stay below",
+    row("lowest F_c / depth 95 %, N/m", "95 % of the ticks of the steady state are less deep",
         worst([](const PointStatistics& p) { return p.forceOver95; }, true, 1.0));
     row("largest depth, mm", "of all runs", [](const WallSummary& w) { return numberText(1e3 * w.largestDepth); });
-    row("largest drift, mm", "across the normal from the start, of all runs",
+    row("largest drift, mm", "distance from the start across the normal, of all runs",
         [](const WallSummary& w) { return numberText(1e3 * w.drift); });
-    mean(&PushMetrics::bounce, "the largest gap above the rest from the onset of the push on");
-    mean(&PushMetrics::chatter, "standard deviation of the torque over the last second, the worst joint");
-    mean(&PushMetrics::saturatedShare, "of all ticks: some motor gives all that it can");
+    mean(&PushMetrics::bounce, "largest gap above the rest, from the onset of the push");
+    mean(&PushMetrics::chatter, "standard deviation of the torque over the last second, of the worst joint");
+    mean(&PushMetrics::saturatedShare, "of all ticks: at least one motor is at its limit");
     mean(&PushMetrics::tangentialForce, "rms of the rendered force across the normal in the steady state");
     if (scenario == 1) {
       row("uniformity of K_z1",
@@ -120,7 +119,7 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
             const double u = uniformityOf(findings.survey[w.column]);
             return std::isfinite(u) ? percent(u) : std::string("–");
           });
-      mean(&PushMetrics::depthStiffness, "force over the deepest point in the 0.1 s after the step", true);
+      mean(&PushMetrics::depthStiffness, "force divided by the deepest point in the 0.1 s after the step", true);
       mean(&PushMetrics::limitShare, "", true);
       row("runs without K_z1", "", [](const WallSummary& w) {
         const std::string without = withoutFirstText(w);
@@ -131,8 +130,8 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
     for (const WallSummary* w : walls) lost.push_back(w->failed == 0 ? "0" : lostText(*w));
     rows.push_back(lost);
     page.table(head, rows,
-               fmt::format("Scenario {}: the worst query point's mean, or where it says so the largest of all runs; a "
-                           "run is lost where the device leaves its workspace or the guard stops it.",
+               fmt::format("Scenario {}: the mean of the worst query point, or the largest of all runs if the row says "
+                           "so. A run is lost if the device leaves its workspace or the guard stops it.",
                            scenario));
   }
 }

@@ -113,7 +113,7 @@ void prepareFolder(const Study& study) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!std::filesystem::is_directory(folder))
-    throw Error(folder + ": cannot make the folder: " + (error ? error.message() : "there is a file of that name"));
+    throw Error(folder + ": cannot make the folder: " + (error ? error.message() : "a file of that name exists"));
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     throw Error(folder + ": cannot write into the folder: " + std::strerror(errno));
   const std::filesystem::space_info space = std::filesystem::space(folder, error);
@@ -145,7 +145,8 @@ std::vector<std::string> resultsOf(const StudyOptions& options) {
 void requireSame(const Study& study) {
   const std::string path = study.path("study.json");
   const Json there = std::filesystem::exists(path) ? Json::parse(readJson(path), nullptr, false) : Json();
-  if (!there.is_object()) throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to");
+  if (!there.is_object())
+    throw Error(path + ": is missing or damaged, so the study of runs.csv is unknown; --overwrite replaces it");
   const Json here = Json::parse(study.manifest);
   if (there != here) throw Error(fmt::format("{}: holds another study: {}", path, differenceOf(there, here)));
 }
@@ -190,7 +191,7 @@ void perform(const Study& study) {
   const std::string path = study.runsPath(study.options.part);
   RunFile file(study.plan, path, study.options.resume || study.options.parts > 1, range);
   const std::size_t first = file.finished(), count = range.count;
-  if (first > 0) fmt::print(stderr, "{} of {} runs are there already\n", first, count);
+  if (first > 0) fmt::print(stderr, "{} of {} runs exist already\n", first, count);
   Progress progress(first, count);
   std::vector<StudyResult> results(count);
   const InterruptGuard guard;
@@ -206,8 +207,7 @@ void perform(const Study& study) {
   if (finished < count) {
     progress.interrupt();
     throw Exit(128 + static_cast<int>(interrupted),
-               fmt::format("interrupted after {} of {} runs, which are in {}: continue with the same command and "
-                           "--resume",
+               fmt::format("interrupted after {} of {} runs, saved in {}: continue with the same command and --resume",
                            finished, count, path));
   }
 }
@@ -218,8 +218,8 @@ bool joinParts(const Study& study) {
   if (std::filesystem::exists(path)) {  // already joined, or left by a process without --part
     const std::size_t there = readRuns(study.plan, path).size();
     if (there == study.plan.size()) return true;
-    throw Error(fmt::format("{}: has {} of {} runs, of a process without --part: continue it with --resume", path,
-                            there, study.plan.size()));
+    throw Error(fmt::format("{}: has {} of {} runs of a process without --part: continue it with --resume", path, there,
+                            study.plan.size()));
   }
   std::string text = runHeader() + '\n';
   for (int part = 1; part <= study.options.parts; ++part) {
@@ -257,8 +257,8 @@ void printSummary(const Study& study, const std::vector<WallSummary>& walls, con
                (without.empty() ? "" : "  runs without K_z1: " + without) + (w.failed > 0 ? "  " + lostText(w) : ""));
   }
   fmt::print(
-      "* mechanical, of the plant along z at home  ** lowest mean of K_z1 over what physics allows for a step at the\n"
-      "beginning of a tick\n");
+      "* mechanical, of the plant along z at home  ** lowest mean of K_z1 divided by the physical limit for a step at "
+      "the\nbeginning of a tick\n");
   for (const Claim& claim : claims)
     fmt::print("{}: {} ({})\n", claim.holds ? "holds" : "DOES NOT HOLD", claim.text, claim.measured);
 }
@@ -316,7 +316,7 @@ void runStudy(StudyOptions options) {
     for (const std::string& name : resultsOf(options)) requireFree(study.path(name), options.overwrite);
   if (findings.whole) {
     if (!completeRuns(study)) {
-      fmt::print("part {} of {} is done; the last one writes the report\n", options.part, options.parts);
+      fmt::print("part {} of {} is done; the last part to finish writes the report\n", options.part, options.parts);
       return;
     }
     if (!lock) lock.emplace(options.output, true);

@@ -141,7 +141,7 @@ Figure firstImpactMap(const Study& study, const Findings& findings) {
       const Spread& s = p->of(&PushMetrics::firstStiffness);
       k.push_back(1e-3 * s.mean);
       extent.see(k.back());
-      texts.push_back(s.count > 0 ? meanText(s, 1e-3) + " kN/m" : "no run has one");
+      texts.push_back(s.count > 0 ? meanText(s, 1e-3) + " kN/m" : "no run has K_z1");
       if (const double width = halfInterval(s) / s.mean; std::isfinite(width)) widest = std::max(widest, width);
     }
     std::vector<double> finite;
@@ -158,14 +158,13 @@ Figure firstImpactMap(const Study& study, const Findings& findings) {
   Svg svg;
   const double bottom = addMaps(svg, 0.0, study, absolute);
   const double end = addMaps(svg, bottom + 6.0, study, relative);
-  return {
-      "fig10-first-impact", svg.whole("first impact stiffness over the wall", end),
-      fmt::format(
-          "Scenario 1: mean of K_z1 at each query point, over those of its {} runs that have one (after the paper's "
-          "Fig. 10). Top: one logarithmic colour scale for all renderers; bottom: the difference from each renderer's "
-          "mean over the wall, one scale for all. To see: {}; and whether a map has a slope. The 95 % interval of no "
-          "mean is wider than ± {} % of it (grey: no run has a K_z1); each is shown where the mouse rests.",
-          study.plan.runs, join(ranges, ", "), numberText(100.0 * widest, 2))};
+  return {"fig10-first-impact", svg.whole("first impact stiffness over the wall", end),
+          fmt::format("Scenario 1: mean of K_z1 at each query point, over those of its {} runs that have a K_z1 (after "
+                      "the paper's Fig. 10). Top: one logarithmic colour scale for all renderers. Bottom: the "
+                      "difference from each renderer's mean over the wall, one scale for all. Ranges: {}. The bottom "
+                      "maps show whether the stiffness has a slope. Every 95 % interval is at most ± {} % of its mean "
+                      "(grey: no run has a K_z1); the mouse pointer shows the value of a point.",
+                      study.plan.runs, join(ranges, ", "), numberText(100.0 * widest, 2))};
 }
 
 Figure steadyMap(const Study& study, const Findings& findings, int scenario) {
@@ -190,16 +189,16 @@ Figure steadyMap(const Study& study, const Findings& findings, int scenario) {
   map.bar = extent.axis("K_zs (kN/m)", 0.02, true);
   Svg svg;
   const double end = addMaps(svg, 0.0, study, map);
-  return {
-      fmt::format("fig1{}-steady-{}", scenario == 1 ? 2 : 3, scenario),
-      svg.whole("steady stiffness over the wall", end),
-      fmt::format("Scenario {}: K_zs = 1 / |mean C_zs| at each query point (after the paper's Fig. {}), one "
-                  "logarithmic colour scale; each is shown with its 95 % interval where the mouse rests. To see: {}.{}",
-                  scenario, scenario == 1 ? 12 : 13, join(ranges, ", "),
-                  unresolved > 0 ? fmt::format(" Grey: not resolved, {} of the {} points shown: the mean compliance "
-                                               "is below two standard errors, so the stiffness may be infinite.",
-                                               unresolved, study.labels.size() * study.plan.points())
-                                 : "")};
+  return {fmt::format("fig1{}-steady-{}", scenario == 1 ? 2 : 3, scenario),
+          svg.whole("steady stiffness over the wall", end),
+          fmt::format(
+              "Scenario {}: K_zs = 1 / |mean C_zs| at each query point (after the paper's Fig. {}), one logarithmic "
+              "colour scale. The mouse pointer shows the value of a point with its 95 % interval. Ranges: {}.{}",
+              scenario, scenario == 1 ? 12 : 13, join(ranges, ", "),
+              unresolved > 0 ? fmt::format(" Grey: not resolved, {} of the {} points shown: the mean compliance "
+                                           "is below two standard errors, so the stiffness may be infinite.",
+                                           unresolved, study.labels.size() * study.plan.points())
+                             : "")};
 }
 
 Figure alongYFigure(const Study& study, const Findings& findings) {
@@ -227,13 +226,12 @@ Figure alongYFigure(const Study& study, const Findings& findings) {
   }
   return {
       "along-y", svg.whole("stiffness and torque along y", top + kHigh + 46.0),
-      fmt::format(
-          "Pushes without noise; lines are means over x, bands reach from the lowest to the highest over x (the same "
-          "every time: no interval). Left: K_z1 for {:.0f} N along y, from each renderer's mean. Right: largest "
-          "torque of each joint for {:.0f} N with {}; the motors' limit is {} N m. To see: which way the stiffness "
-          "runs along y, and how far below their limit the motors stay.",
-          kSurveyForce, kHardForce, escape(study.labels[shown].title),
-          givenText(study.mechanism->limits().effort.minCoeff()))};
+      fmt::format("Pushes without noise. Lines are means over x; bands are the range over x (without noise there is "
+                  "one result and so no interval). Left: K_z1 for {:.0f} N along y, relative to each renderer's mean. "
+                  "Right: largest torque of each joint for {:.0f} N with {}; the motors' limit is {} N m. The figure "
+                  "shows how the stiffness changes along y and how far the motors stay below their limit.",
+                  kSurveyForce, kHardForce, escape(study.labels[shown].title),
+                  givenText(study.mechanism->limits().effort.minCoeff()))};
 }
 
 }  // namespace enamel::app

@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
     addDamping(parameters, Vec6::Constant(4.0).cwiseProduct((Vec6() << 1, 1, 1, 0, 0, 0).finished()));  // N s/m
     const auto device = makeMechanism(idealOf(parameters));
 
-    std::printf("weight  disk margin  bears a delay of\n");
+    std::printf("weight  disk margin  stable delay\n");
     double softest = 0.0, stiffest = 0.0;
     for (const double weight : {1e2, 1e4, 1e6}) {
       ServoWeights weights;  // the paper's weights except for the position

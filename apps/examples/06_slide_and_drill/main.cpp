@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
     }
     isOver = true;
     graphics.join();
-    std::printf("%d bricks were drawn again\n", redrawn);
+    std::printf("%d bricks were redrawn\n", redrawn);
     return tick.tick == 2999 && removed[0] > 0.0 && redrawn > 0 ? 0 : 1;
   } catch (const Error& error) {
     return std::fprintf(stderr, "slide_and_drill: %s\n", error.what()), 1;

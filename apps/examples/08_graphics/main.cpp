@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
       std::printf("tick %5llu  %s %6.2f mm %5.2f N %s\n", static_cast<unsigned long long>(tick.number), line.c_str(), z,
                   tick.normalForce, tick.reason == GuardReason::none ? "" : toString(tick.reason));
     }
-    std::printf("%d pictures beside %llu ticks, of which %llu came too late; %d faults; up to %.2f N\n", pictures,
+    std::printf("%d pictures during %llu ticks; %llu ticks were late; %d faults; up to %.2f N\n", pictures,
                 static_cast<unsigned long long>(loop.timing().periods.load()),
                 static_cast<unsigned long long>(loop.timing().missed.load()), faults, most);
     return most > 0.0 ? 0 : 1;

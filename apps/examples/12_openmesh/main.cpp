@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
     tooth.publish();  // changes that waited for the graphics thread
     for (const enamel::MeshChange* rest; (rest = tooth.takeChanges()) != nullptr; tooth.publish())
       told += rest->triangles.size();
-    std::printf("%zu faces, %zu told to the graphics; %s\n", tooth.mesh().n_faces(), told,
+    std::printf("%zu faces, %zu sent to the graphics; %s\n", tooth.mesh().n_faces(), told,
                 describe(*tooth.model()).c_str());
     return isSound(*tooth.model()) ? 0 : 1;
   } catch (const enamel::Error& error) {

@@ -61,16 +61,16 @@ class Partition {
 void checkMesh(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) throw Error("the mesh has no triangles");
   if (mesh.triangles.size() > kMostTriangles)
-    throw Error("the mesh has " + std::to_string(mesh.triangles.size()) + " triangles, at most " +
-                std::to_string(kMostTriangles) + " are possible");
+    throw Error("the mesh has " + std::to_string(mesh.triangles.size()) + " triangles, must have at most " +
+                std::to_string(kMostTriangles));
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     if (!(mesh.vertices[i].cwiseAbs().maxCoeff() <= kLargestCoordinate) || !mesh.vertices[i].allFinite())
-      throw Error("vertex " + std::to_string(i) + " has a coordinate that is not finite or beyond 1e9 m");
+      throw Error("vertex " + std::to_string(i) + " has a coordinate that is not finite or larger than 1e9 m");
   const int count = static_cast<int>(mesh.vertices.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const int v : mesh.triangles[t])
       if (v < 0 || v >= count)
-        throw Error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + ", there are " +
+        throw Error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + ", the mesh has " +
                     std::to_string(count));
 }
 

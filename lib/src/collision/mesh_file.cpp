@@ -18,7 +18,8 @@ void scanOff(std::string_view bytes, MeshBuilder& out) {
   Words words(bytes, out);
   const std::string_view magic = words.word("the word OFF");
   if (magic != "OFF")
-    words.fail("starts with \"" + std::string(magic.substr(0, 20)) + "\", only plain text OFF is read");
+    words.fail("starts with \"" + std::string(magic.substr(0, 20)) +
+               "\", must start with OFF (only text files are read)");
   const std::int64_t vertexCount = words.integer("number of vertices"), faceCount = words.integer("number of faces");
   words.integer("number of edges");
   checkedCount(vertexCount, 6, words.rest().size(), "vertices", out);
@@ -50,7 +51,7 @@ void scanObj(std::string_view bytes, MeshBuilder& out) {
       std::int64_t count = 0;
       for (std::string_view word = words.wordOfLine(); !word.empty(); word = words.wordOfLine(), ++count) {
         const std::int64_t index = words.integer(word.substr(0, word.find('/')), "index of a face");
-        if (index == 0) words.fail("a face names vertex 0, vertices count from 1");
+        if (index == 0) words.fail("a face names vertex 0, the first vertex is 1");
         if (count < kMostCorners) corner[count] = index > 0 ? index - 1 : out.vertices() + index;
       }
       out.beginFace(count);

@@ -129,7 +129,7 @@ void scanPly(std::string_view bytes, MeshBuilder& out) {
       element.count = words.integer(words.wordOfLine(false), "count of an element");
       elements.push_back(element);
     } else if (key == "property") {
-      if (elements.empty()) words.fail("a property stands before the first element");
+      if (elements.empty()) words.fail("a property precedes the first element");
       Property property;
       std::string_view type = words.wordOfLine(false);
       property.list = type == "list";

@@ -53,8 +53,8 @@ class MeshBuilder {
     if (corners_ == 0) first_ = number;
     if (corners_ > 1) {
       if (mesh_.triangles.size() >= mostTriangles_)
-        fail("promises more than " + std::to_string(mostTriangles_) + " triangles, one for every " +
-             std::to_string(kLeastBytes) + " bytes: its faces are no surface");
+        fail("has more than " + std::to_string(mostTriangles_) + " triangles, one for every " +
+             std::to_string(kLeastBytes) + " bytes of the file: its faces do not form a surface");
       mesh_.triangles.push_back({first_, last_, number});
     }
     last_ = number;
@@ -77,7 +77,7 @@ class MeshBuilder {
 
  private:
   [[noreturn]] void outOfRange(std::int64_t face, std::int64_t vertex) const {
-    fail("face " + std::to_string(face) + " names vertex " + std::to_string(vertex) + ", there are " +
+    fail("face " + std::to_string(face) + " names vertex " + std::to_string(vertex) + ", the mesh has " +
          std::to_string(vertices()));
   }
 
@@ -170,9 +170,9 @@ class Words {
 /// Check a count of a header against the least number of bytes per item.
 inline std::int64_t checkedCount(std::int64_t count, std::size_t leastBytes, std::size_t remaining, const char* items,
                                  const MeshBuilder& out) {
-  if (count < 0) out.fail(std::string("promises ") + std::to_string(count) + " " + items);
+  if (count < 0) out.fail(std::string("declares ") + std::to_string(count) + " " + items);
   if (static_cast<std::uint64_t>(count) > remaining / std::max<std::size_t>(leastBytes, 1))
-    out.fail("promises " + std::to_string(count) + " " + items + ", there is room for at most " +
+    out.fail("declares " + std::to_string(count) + " " + items + ", the rest of the file has room for at most " +
              std::to_string(remaining / std::max<std::size_t>(leastBytes, 1)));
   return count;
 }

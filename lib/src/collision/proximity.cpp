@@ -107,8 +107,9 @@ MeshModel::MeshModel(TriangleMesh mesh, SpareCapacity spare) {
   checkMesh(mesh);
   const auto checkSpare = [](std::size_t present, int more, const char* things) {
     if (more < 0 || static_cast<std::size_t>(more) > kMostTriangles - std::min(present, kMostTriangles))
-      throw Error("a spare capacity of " + std::to_string(more) + " " + things + " beside " + std::to_string(present) +
-                  " must be at least 0 and with them at most " + std::to_string(kMostTriangles));
+      throw Error("the spare capacity is " + std::to_string(more) + " " + things + " in addition to " +
+                  std::to_string(present) + ", must be at least 0 and the sum at most " +
+                  std::to_string(kMostTriangles));
   };
   checkSpare(mesh.vertices.size(), spare.vertices, "vertices");
   checkSpare(mesh.triangles.size(), spare.triangles, "triangles");
@@ -158,9 +159,9 @@ std::string describe(const MeshModel& model) {
                                                     : " edges between triangles of opposite orientation");
   what = (data.closed ? "watertight" : "open") + (what.empty() ? "" : " (" + what + ")");
   if (data.crossesItself) what += ", crosses itself";
-  if (data.inwards) what += ", normals inwards (taken as turned round)";
+  if (data.inwards) what += ", normals point inwards (they are reversed)";
   if (data.sound) return what + ": the sign of distances is exact";
-  return what + ": inside is where the winding number is above 1/2; a moving tool keeps its side and needs no inside";
+  return what + ": points with a winding number above 1/2 are inside; a moving tool keeps its side without this rule";
 }
 
 ProximityCache::ProximityCache() : content_(std::make_unique<kernel::Cache>()) {}

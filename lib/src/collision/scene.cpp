@@ -18,9 +18,9 @@ bool isSlow(const Vec6& twist) noexcept {
 
 int Scene::add(Obstacle obstacle) {
   const std::string name = "obstacle \"" + obstacle.name + "\"";
-  if (obstacle.name.empty()) throw Error("an obstacle has no name");
+  if (obstacle.name.empty()) throw Error("the name of an obstacle is empty");
   for (const Obstacle& other : obstacles_)
-    if (other.name == obstacle.name) throw Error(name + " stands twice in the scene");
+    if (other.name == obstacle.name) throw Error(name + " occurs twice in the scene");
   const Mat3& R = obstacle.pose.rotation;
   if (!obstacle.pose.position.allFinite() || !R.allFinite() || !obstacle.twist.allFinite())
     throw Error(name + ": pose or twist is not finite");
@@ -38,17 +38,19 @@ int Scene::add(Obstacle obstacle) {
     sized = positive(capsule->radius) && positive(capsule->halfLength);
   if (const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape)) sized = *mesh != nullptr;
   if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) sized = *solid != nullptr;
-  if (!sized) throw Error(name + ": the shape has a size that is not positive and finite, or no mesh or solid");
+  if (!sized)
+    throw Error(name + ": the size of the shape must be positive and finite, its mesh or solid must not be null");
   const Material& m = obstacle.material;
   if (!(m.stiffness > 0.0) || !(m.friction >= 0.0 && m.friction <= 10.0) ||
       !(m.slidingFriction >= 0.0 && m.slidingFriction <= m.friction) ||
       !(m.viscosity >= 0.0 && std::isfinite(m.viscosity)))
-    throw Error(name +
-                ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to that, "
-                "a finite viscosity of at least 0 N s/m");
+    throw Error(
+        name +
+        ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to friction, "
+        "and a finite viscosity of at least 0 N s/m");
   const bool isMesh = std::holds_alternative<std::shared_ptr<const MeshModel>>(obstacle.shape);
   if (!(obstacle.thickness >= 0.0 && std::isfinite(obstacle.thickness)) || (obstacle.thickness > 0.0 && !isMesh))
-    throw Error(name + ": the thickness must be at least 0 m and finite, and 0 m for all shapes but meshes");
+    throw Error(name + ": the thickness must be at least 0 m and finite, and 0 m unless the shape is a mesh");
   obstacles_.push_back(std::move(obstacle));
   return static_cast<int>(obstacles_.size()) - 1;
 }

@@ -57,7 +57,7 @@ Obstacle readHalfSpace(TomlTable& table) {
   const Vec3 normal = table.vector3("normal");
   const double size = normal.stableNorm();
   if (!(size > 1e-6 && size < 1e6))
-    table.fail("normal", "has the length " + formatNumber(size) + ", must be in 1e-06 to 1e+06: it has no direction");
+    table.fail("normal", "has the length " + formatNumber(size) + ", must be in 1e-06 to 1e+06 to define a direction");
   return halfSpace("", point, normal / size);
 }
 
@@ -83,7 +83,7 @@ Obstacle readCapsule(TomlTable& table) {
   const double axis = (to - from).norm();
   if (!(axis >= kSmallestSize))
     table.fail("to", "is " + formatNumber(axis) + " m from \"from\", must be at least " + formatNumber(kSmallestSize) +
-                         " m: a sphere has no axis");
+                         " m; use a sphere instead");
   Obstacle capsule;
   capsule.pose.position = 0.5 * (from + to);
   capsule.pose.rotation = frameAlong((to - from) / axis);
@@ -123,7 +123,7 @@ Obstacle readMesh(TomlTable& table, const std::string& sceneFile, SpareCapacity 
   mesh.pose = readPose(table);
   const bool isThin = table.has("thin") && table.boolean("thin");
   if (isThin) mesh.thickness = length(table, "thickness", kLeastThickness, kMostThickness);
-  if (!isThin && table.has("thickness")) table.fail("thickness", "is that of a sheet, which needs thin = true");
+  if (!isThin && table.has("thickness")) table.fail("thickness", "is only valid with thin = true");
   model = std::make_shared<MeshModel>(readMeshFile(table, sceneFile, scale), spare);
   mesh.shape = std::shared_ptr<const MeshModel>(model);
   return mesh;
@@ -152,7 +152,8 @@ SolidLayer readLayer(TomlTable& table, const std::string& sceneFile, double scal
   if (!(layer.hardness >= kLeastHardness && layer.hardness <= kMostHardness))
     table.fail("hardness", "is " + formatNumber(layer.hardness) + ", must be in " + formatNumber(kLeastHardness) +
                                " to " + formatNumber(kMostHardness) + " Pa");
-  if (table.has("depth") && table.has("file")) table.fail("depth", "and \"file\" both say where the layer begins");
+  if (table.has("depth") && table.has("file"))
+    table.fail("depth", "and \"file\" both define where the layer begins: give one of them");
   if (table.has("depth")) layer.depth = length(table, "depth", 0.0, kLargestSize);
   if (table.has("file")) layer.within = std::make_shared<const MeshModel>(readMeshFile(table, sceneFile, scale));
   readMaterial(table, layer.material);
@@ -229,7 +230,7 @@ void addNotes(const Obstacle& obstacle, const Tool& tool, std::vector<std::strin
   const double size = (high - low).maxCoeff();
   if (size > kLargestTooth || size < kSmallestTooth)
     notes.push_back(name + "is " + formatNumber(std::round(1e9 * size) / 1e6) +
-                    " mm across; if that is not meant, its unit is probably 1000 times " +
+                    " mm across; if this size is wrong, its unit is probably 1000 times " +
                     (size > kLargestTooth ? "smaller" : "larger") + ": see `unit` and `scale`");
 }
 
@@ -267,7 +268,8 @@ std::optional<Bur> readBur(TomlTable& root, const Tool& tool) {
   read("wear", 1e-9, 1e3, bur.wear);
   read("turns", 0.0, 1e4, bur.turns);
   const double radius = tool.parts[static_cast<std::size_t>(bur.part)].radius;
-  if (!(radius > 0.0)) root.fail("bur", "is part " + std::to_string(bur.part) + " of the tool, which has no radius");
+  if (!(radius > 0.0))
+    root.fail("bur", "is part " + std::to_string(bur.part) + " of the tool, whose radius must be greater than 0 mm");
   if (radius > Solid::kLargestBur)
     root.fail("bur", "is part " + std::to_string(bur.part) + " of the tool, whose radius of " +
                          formatNumber(1e3 * radius) + " mm must be at most " + formatNumber(1e3 * Solid::kLargestBur) +
@@ -313,7 +315,8 @@ SceneFile parseScene(std::string_view text, const std::string& file, SpareCapaci
     std::shared_ptr<Solid>& solid = result.solids.emplace_back();
     Obstacle obstacle = readObstacle(table, file, spare, model, solid);
     for (const Obstacle& other : result.scene.obstacles())
-      if (other.name == obstacle.name) table.fail("name", "is \"" + obstacle.name + "\", which another obstacle has");
+      if (other.name == obstacle.name)
+        table.fail("name", "is \"" + obstacle.name + "\", which is also the name of another obstacle");
     addNotes(obstacle, result.tool, result.notes);
     result.scene.add(std::move(obstacle));
   }

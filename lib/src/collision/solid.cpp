@@ -45,20 +45,21 @@ void forEachAlongPath(int size, const Visit& visit) {
 
 void checkLayers(const std::vector<SolidLayer>& layers) {
   if (layers.empty() || layers.size() > kMaxSolidLayers)
-    throw Error("a solid has 1 to " + std::to_string(kMaxSolidLayers) + " layers, not " +
-                std::to_string(layers.size()));
+    throw Error("the solid has " + std::to_string(layers.size()) + " layers, must have 1 to " +
+                std::to_string(kMaxSolidLayers));
   double depth = 0.0;
   for (const SolidLayer& layer : layers) {
     if (!(layer.hardness > 0.0 && std::isfinite(layer.hardness)))
-      throw Error("layer \"" + layer.name + "\": hardness must be positive, Pa");
+      throw Error("layer \"" + layer.name + "\": hardness is " + formatNumber(layer.hardness) +
+                  ", must be greater than 0 Pa");
     if (layer.within != nullptr) {
       if (!Inside::of(*layer.within).closed)
-        throw Error("layer \"" + layer.name + "\": the mesh that it begins at is not closed");
+        throw Error("layer \"" + layer.name + "\": the mesh where it begins must be closed");
       continue;
     }
     if (!(layer.depth >= depth && std::isfinite(layer.depth)))
-      throw Error("layer \"" + layer.name + "\": depth must be at least that of the layer before, " +
-                  std::to_string(depth) + " m");
+      throw Error("layer \"" + layer.name + "\": depth is " + formatNumber(layer.depth) +
+                  " m, must be at least that of the layer before, " + formatNumber(depth) + " m");
     depth = layer.depth;
   }
 }
@@ -69,14 +70,16 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
     : cell_(options.cell), layers_(layers) {
   checkLayers(layers_);
   const kernel::MeshData& data = Inside::of(surface);
-  if (!data.closed) throw Error("a solid is made of a closed mesh; this one has open edges");
-  if (!(cell_ > 0.0 && std::isfinite(cell_))) throw Error("the cell of a solid must be positive, m");
-  if (options.undoBricks < 0) throw Error("the room for undo must not be negative, bricks");
+  if (!data.closed) throw Error("the mesh of a solid must be closed; this one has open edges");
+  if (!(cell_ > 0.0 && std::isfinite(cell_)))
+    throw Error("the cell of a solid is " + formatNumber(cell_) + " m, must be greater than 0 m");
+  if (options.undoBricks < 0)
+    throw Error("the room for undo is " + std::to_string(options.undoBricks) + " bricks, must be at least 0");
   origin_ = data.low - Vec3::Constant(kBorder * cell_);
   const Vec3 cells = (data.high - data.low) / cell_ + Vec3::Constant(2.0 * kBorder);
   const Vec3 along = (cells / kBrickCells).array().ceil();
   if (!(along.prod() <= kMostPlaces))
-    throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too small for this solid: more than 1 GB");
+    throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too small: the solid needs more than 1 GB");
   if (cell_ < kSmallestCell)
     throw Error("the cell of a solid is " + formatNumber(cell_) + " m, must be at least " +
                 formatNumber(kSmallestCell) + " m");
@@ -95,7 +98,7 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
         index_[at] = static_cast<std::int32_t>(places.size());
         places.push_back({x, y, z});
         if (static_cast<double>(places.size()) * (sizeof(Brick) + sizeof(BrickSamples)) > kMostBytes)
-          throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too small for this solid: more than 1 GB");
+          throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too small: the solid needs more than 1 GB");
       }
   fill(surface, places);
   for (const Brick& brick : bricks_) original_.push_back(brick.samples);

@@ -29,7 +29,7 @@ Eigen::VectorXcd eigenvalues(const MatrixXd& A) {
     throw DesignError("eigenvalues: the matrix is " + std::to_string(A.rows()) + " x " + std::to_string(A.cols()) +
                       ", must be square, finite and not empty");
   const Eigen::EigenSolver<MatrixXd> solver(A, false);
-  if (solver.info() != Eigen::Success) throw DesignError("the eigenvalues of a matrix do not converge");
+  if (solver.info() != Eigen::Success) throw DesignError("eigenvalues: the iteration does not converge");
   return solver.eigenvalues();
 }
 

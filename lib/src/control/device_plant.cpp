@@ -27,7 +27,7 @@ Vec3 rotationVectorRate(const Vec3& v, const Vec3& w) {
 
 DevicePlant devicePlant(const std::shared_ptr<const Mechanism>& mechanism, const Pose& pose) {
   if (mechanism == nullptr || !isRotation(pose.rotation))
-    throw DesignError("device plant: there is no mechanism, or the pose's matrix is no rotation");
+    throw DesignError("device plant: the mechanism is missing, or the pose's matrix is not a rotation");
   const int n = mechanism->joints();
   if (n != 3 && n != 6)
     throw DesignError("device plant: the mechanism has " + std::to_string(n) + " joints, must have 3 or 6");

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "control/dense.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -48,7 +49,7 @@ int halvingsFor(const MatrixXd& A, const MatrixXd& A4, const MatrixXd& A6) {
 MatrixXd matrixExponential(const MatrixXd& input) {
   if (input.rows() != input.cols())
     throw DesignError("matrix exponential: the matrix is " + std::to_string(input.rows()) + " x " +
-                      std::to_string(input.cols()));
+                      std::to_string(input.cols()) + ", must be square");
   if (!input.allFinite()) throw DesignError("matrix exponential: the matrix is not finite");
   const Eigen::Index n = input.rows();
   if (n == 0) return input;
@@ -97,7 +98,8 @@ StateSpace zeroOrderHold(const StateSpace& continuous, double period) {
   const Eigen::Index n = continuous.A.rows(), m = continuous.B.cols();
   if (continuous.A.cols() != n || continuous.B.rows() != n)
     throw DesignError("zero-order hold: A must be n x n and B n x m");
-  if (!(period > 0.0 && std::isfinite(period))) throw DesignError("zero-order hold: the period must be positive, s");
+  if (!(period > 0.0 && std::isfinite(period)))
+    throw DesignError("zero-order hold: the period is " + formatNumber(period) + " s, must be greater than 0 s");
   MatrixXd block = MatrixXd::Zero(n + m, n + m);
   block.topLeftCorner(n, n) = period * continuous.A;
   block.topRightCorner(n, m) = period * continuous.B;

@@ -26,12 +26,12 @@ struct Range {
 bool isWallStable(const WallDevice& device, const SpringWall& wall, double seconds) {
   for (const double value : {device.damping, wall.stiffness, wall.damping, seconds})
     if (!(value >= 0.0 && std::isfinite(value)))
-      throw DesignError("wall: damping, stiffness and time must not be negative");
+      throw DesignError("wall: damping, stiffness and time must be finite and at least 0");
   if (!(device.mass > 0.0 && std::isfinite(device.mass) && device.period > 0.0 && std::isfinite(device.period)) ||
       wall.delay < 0)
-    throw DesignError("wall: mass and period must be positive and the delay not negative");
+    throw DesignError("wall: mass and period must be greater than 0, and the delay at least 0");
   if (seconds / device.period > 1e8 || wall.delay > 1000)
-    throw DesignError("wall: the time is more than 1e8 periods, or the delay more than 1000");
+    throw DesignError("wall: the time must be at most 1e8 periods, and the delay at most 1000");
   StateSpace motion{Eigen::Matrix2d::Zero(), Eigen::Vector2d(1.0 / device.mass, 0.0)};  // states [z'; z], input force
   motion.A(0, 0) = -device.damping / device.mass;
   motion.A(1, 0) = 1.0;

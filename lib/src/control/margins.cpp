@@ -23,7 +23,8 @@ constexpr int kMaxDelay = 64;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void requirePositive(double period) {
-  if (!(period > 0.0 && std::isfinite(period))) throw DesignError("loop: the period must be positive and finite, s");
+  if (!(period > 0.0 && std::isfinite(period)))
+    throw DesignError("loop: the period must be greater than 0 s and finite");
 }
 
 // The loop at the plant's input as a function of frequency.

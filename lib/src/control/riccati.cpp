@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "control/dense.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -289,8 +290,8 @@ RiccatiSolution solveRiccati(const MatrixXd& A, const MatrixXd& B, const MatrixX
   if (!X) {
     if (!isStabilisable(p)) throw DesignError("Riccati: (A, B) is not stabilisable: an unstable mode has no input");
     throw DesignError(
-        "Riccati: no stabilising solution: the closed loop would have an eigenvalue on the unit circle, or its inputs "
-        "are too weak for its unstable modes to tell");
+        "Riccati: no stabilising solution: the closed loop would have an eigenvalue on the unit circle, or the "
+        "inputs hardly affect an unstable mode");
   }
   MatrixXd K = gainOf(p, *X);
   const MatrixXd S = p.A - product(p.B, K);
@@ -300,7 +301,9 @@ RiccatiSolution solveRiccati(const MatrixXd& A, const MatrixXd& B, const MatrixX
   // Rounding X by E leaves S^T E S - E: at most a few units in the last place of these terms.
   const double magnitude = std::max(largest(transformed(X->cwiseAbs(), S.cwiseAbs())), largest(*X));
   if (magnitude > 0.0) solution.residual = largest(residuals.cost) / magnitude;
-  if (!(solution.residual < 1e-13)) throw DesignError("Riccati: the residual is too large");
+  if (!(solution.residual < 1e-13))
+    throw DesignError("Riccati: the relative residual is " + formatNumber(solution.residual) +
+                      ", must be less than 1e-13");
   // The gain of the exact solution: D, the digits of X that rounding cut off, may matter to it.
   const MatrixXd D = solveStein(powers, residuals.cost);
   K += solvePositive(p.R + transformed(*X, p.B), residuals.gain + product(product(p.B.transpose(), D), S));

@@ -16,8 +16,8 @@ using Eigen::VectorXd;
 StateSpace augmentWithIntegrals(const StateSpace& plant) {
   const Index n = plant.B.cols();
   if (n == 0 || plant.A.rows() != 2 * n || plant.A.cols() != 2 * n || plant.B.rows() != 2 * n)
-    throw DesignError("servo design: for " + std::to_string(n) + " inputs the plant must have the states [q'; q], " +
-                      std::to_string(2 * n) + "; A is " + std::to_string(plant.A.rows()) + " x " +
+    throw DesignError("servo design: for " + std::to_string(n) + " inputs the plant must have " +
+                      std::to_string(2 * n) + " states [q'; q]; A is " + std::to_string(plant.A.rows()) + " x " +
                       std::to_string(plant.A.cols()));
   StateSpace augmented{MatrixXd::Zero(3 * n, 3 * n), MatrixXd::Zero(3 * n, n)};
   augmented.A.topLeftCorner(2 * n, 2 * n) = plant.A;
@@ -60,7 +60,7 @@ StateSpace runningLoop(const ServoDesign& design) {
   const Index n = design.K.rows();
   if (n == 0 || design.K.cols() != 3 * n || design.augmented.A.rows() != 3 * n || design.augmented.A.cols() != 3 * n ||
       design.augmented.B.rows() != 3 * n || design.augmented.B.cols() != n)
-    throw DesignError("servo design: the augmented model must have 3n states and the gain's n inputs");
+    throw DesignError("servo design: the augmented model must have 3n states and n inputs, as the gain has");
   StateSpace loop = design.augmented;  // the integrators feed nothing back, so the plant's own block is exact
   loop.A.bottomRows(n).setZero();
   loop.A.bottomRightCorner(n, n).setIdentity();

@@ -14,9 +14,9 @@ ServoFile loadServo(const std::string& path) {
     throw ConfigurationError(path, 0, key, problem);
   };
   const Json json = Json::parse(readJson(path), nullptr, false);
-  if (!json.is_object()) refuse("", "is not the JSON of a servo design");
+  if (!json.is_object()) refuse("", "must be the JSON file of a servo design");
   if (json.value("kind", Json()) == "surface")
-    refuse("kind", "is \"surface\", of position control, which needs no file any more");
+    refuse("kind", "is \"surface\": position control does not need a file any more");
   const auto require = [&](const char* key, bool (Json::*isType)() const noexcept, const char* type) -> const Json& {
     const auto found = json.find(key);
     if (found == json.end()) refuse(key, "is missing");

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "core/message.hpp"
 #include "enamel/control/first_impact.hpp"
 #include "enamel/core/error.hpp"
 
@@ -21,8 +22,8 @@ constexpr int kMostTicks = 10000000;
 int runTicks(double seconds, double period) {
   const double ticks = seconds / period;
   if (!(ticks >= 0.0 && ticks <= kMostTicks))
-    throw DesignError(
-        "servo simulation: the period is so small that a run has more than 1e7 ticks, or it is not positive");
+    throw DesignError("servo simulation: the period is " + formatNumber(period) +
+                      " s, must be positive and a run at most 1e7 ticks");
   return static_cast<int>(std::lround(ticks));
 }
 
@@ -41,7 +42,7 @@ SampledPlant linearPlant(const ServoDesign& design, const MatrixXd& jacobian) {
   const Index n = design.K.rows(), states = 2 * n;
   if (design.augmented.A.rows() < states || design.augmented.A.cols() < states || design.augmented.B.rows() < states ||
       design.augmented.B.cols() != n || jacobian.rows() != 6 || jacobian.cols() != n)
-    throw DesignError("servo simulation: the held model must have 2n states and n inputs, the Jacobian be 6 x n");
+    throw DesignError("servo simulation: the held model must have 2n states and n inputs, the Jacobian must be 6 x n");
   return
       [A = MatrixXd(design.augmented.A.topLeftCorner(states, states)), B = MatrixXd(design.augmented.B.topRows(states)),
        transposed = MatrixXd(jacobian.transpose())](const VectorXd& y, const VectorXd& torque, const VectorXd& wrench) {
@@ -56,8 +57,8 @@ ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, c
   if (experiment.reference.size() != n || !isVector(experiment.encoderStep) || !isVector(experiment.maxTorque) ||
       experiment.wrench.size() != 6 || experiment.delay < 0 || experiment.ticks < 0 || experiment.ticks > kMostTicks)
     throw DesignError(
-        "servo simulation: reference, encoder steps and torque limits need one entry a joint, the wrench six; delay "
-        "and ticks must not be negative, nor the ticks more than 1e7");
+        "servo simulation: reference, encoder steps and torque limits need one entry a joint, the wrench needs six; "
+        "delay and ticks must be at least 0, the ticks at most 1e7");
   ServoTrace trace{MatrixXd::Zero(2 * n, experiment.ticks + 1), MatrixXd::Zero(n, experiment.ticks)};
   VectorXd y = VectorXd::Zero(2 * n), state = VectorXd::Zero(3 * n), previous = VectorXd::Zero(n);
   for (int j = 0; j < experiment.ticks; ++j) {
@@ -76,7 +77,7 @@ ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, c
     state.tail(n) += design.period * (experiment.reference - q);
     const int acting = j - experiment.delay;
     y = plant(y, acting < 0 ? VectorXd(VectorXd::Zero(n)) : VectorXd(trace.torque.col(acting)), experiment.wrench);
-    if (y.size() != 2 * n) throw DesignError("servo simulation: the plant does not answer with 2n numbers");
+    if (y.size() != 2 * n) throw DesignError("servo simulation: the plant must return 2n numbers");
     trace.y.col(j + 1) = y;
   }
   return trace;
@@ -85,7 +86,7 @@ ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, c
 double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& normal, double force, double period) {
   const Index n = normal.size();
   if (n == 0 || trace.y.rows() != 2 * n || !(period > 0.0))
-    throw DesignError("first impact: the normal needs one entry a joint, the period must be positive, s");
+    throw DesignError("first impact: the normal needs one entry a joint, the period must be greater than 0 s");
   (void)runTicks(1.0, period);
   ImpactMonitor watch(period);
   ImpactTick tick;
@@ -100,7 +101,7 @@ double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& n
 
 double torqueDeviation(const ServoTrace& trace, int ticks) {
   if (ticks < 1 || trace.torque.size() == 0)
-    throw DesignError("torque deviation: needs at least one tick and one joint");
+    throw DesignError("torque deviation: at least one tick and one joint are required");
   const MatrixXd last = trace.torque.rightCols(std::min<Index>(ticks, trace.torque.cols()));
   const VectorXd mean = last.rowwise().mean();
   return std::sqrt((last.colwise() - mean).rowwise().squaredNorm().maxCoeff() / static_cast<double>(last.cols()));

@@ -26,7 +26,7 @@ std::string readFile(const std::string& path, std::size_t most) {
   struct stat status {};
   if (fstat(file.number, &status) != 0) refuse(std::string("cannot read the file: ") + std::strerror(errno));
   if (S_ISDIR(status.st_mode)) refuse("is a folder, not a file");
-  if (!S_ISREG(status.st_mode)) refuse("is no plain file, but a pipe or a device");
+  if (!S_ISREG(status.st_mode)) refuse("is a pipe or a device, must be a regular file");
   if (static_cast<std::size_t>(status.st_size) > most)
     refuse("is " + std::to_string(status.st_size) + " bytes, at most " + std::to_string(most) + " are read");
   std::string text(static_cast<std::size_t>(status.st_size), '\0');
@@ -39,7 +39,7 @@ std::string readFile(const std::string& path, std::size_t most) {
     size += static_cast<std::size_t>(got);
   }
   if (size != text.size() || (size == 0 && read(file.number, &status, 1) > 0))  // files of /proc report a size of 0
-    refuse("is not as long as it says: is it being written?");
+    refuse("changed its size while it was read: is another program writing it?");
   return text;
 }
 
@@ -74,7 +74,7 @@ void checkNesting(std::string_view text, const std::string& file) {
     if (c == ']' || c == '}') --depth;
     dots = c == '.' ? dots + 1 : c == '\n' || c == ',' || c == '=' || c == '[' || c == '{' ? 0 : dots;
     if (depth > kDeepest) refuse("has brackets nested deeper than ");
-    if (dots >= kDeepest) refuse("has a dotted key of more parts than ");
+    if (dots >= kDeepest) refuse("has a dotted key with more parts than ");
   }
   if (values > kManyValues && values > text.size() / kLeastBytes)
     throw ConfigurationError(file, 0, "",

@@ -34,10 +34,11 @@ std::string oldNameWarning(std::string_view kind, std::string_view name, std::st
   std::string text(where);
   text += " ";
   text += name;
-  text += ": its name is ";
+  text += ": is now called ";
   text += entry->present;
-  text += " now, the old one ends with version ";
+  text += "; version ";
   text += entry->ends;
+  text += " removes the old name";
   return text;
 }
 

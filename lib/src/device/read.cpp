@@ -36,8 +36,8 @@ void checkInertia(const Mat3& inertia, const std::string& key, const Fail& fail)
   if (moments[0] < -tolerance)
     fail(key, "has the principal moment " + formatNumber(moments[0]) + ", must be at least 0 kg m^2");
   if (moments[2] > moments[0] + moments[1] + tolerance)
-    fail(key, "is that of no body: the largest principal moment " + formatNumber(moments[2]) +
-                  " exceeds the sum of the others, " + formatNumber(moments[0] + moments[1]) + " kg m^2");
+    fail(key, "is physically impossible: the largest principal moment is " + formatNumber(moments[2]) +
+                  ", must be at most the sum of the others, " + formatNumber(moments[0] + moments[1]) + " kg m^2");
 }
 
 void checkPlatform(const PlatformParameters& platform, const Fail& fail) {

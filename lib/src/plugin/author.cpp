@@ -32,7 +32,7 @@ PluginConfiguration::PluginConfiguration(const EnamelDescription& description, c
   for (std::size_t i = 0; i < description.parameter_count; ++i)
     parameters_[description.parameters[i].key] = description.parameters[i].value;
   if (given.parameter_count > 0 && given.parameters == nullptr)
-    refuse("", "are NULL, there must be " + std::to_string(given.parameter_count));
+    refuse("", "is NULL, must have " + std::to_string(given.parameter_count) + " entries");
   std::map<std::string, bool> seen;
   for (std::size_t i = 0; i < given.parameter_count; ++i) {
     if (given.parameters[i].key == nullptr || given.parameters[i].value == nullptr)
@@ -92,7 +92,7 @@ int32_t PluginInstance::configure(const EnamelConfiguration& configuration, Enam
   } catch (const std::exception& error) {
     return explain(error, message);
   } catch (...) {
-    return explain(Error("the plugin threw something that is no std::exception"), message);
+    return explain(Error("the plugin threw an exception that is not a std::exception"), message);
   }
 }
 
@@ -107,7 +107,7 @@ int32_t PluginInstance::activate(double period, EnamelMessage message) noexcept 
   } catch (const std::exception& error) {
     return explain(error, message);
   } catch (...) {
-    return explain(Error("the plugin threw something that is no std::exception"), message);
+    return explain(Error("the plugin threw an exception that is not a std::exception"), message);
   }
 }
 

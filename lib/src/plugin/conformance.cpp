@@ -57,13 +57,13 @@ class Checks {
         path_(pathThroughWall(mechanism, options)) {}
 
   std::string describesItself() {
-    demand(table_.describe() == table_.describe(), "describe() returned different places");
+    demand(table_.describe() == table_.describe(), "describe() returned different addresses");
     return std::string(library_->description().name) + " " + library_->description().version;
   }
 
   std::string refusesWrongOrder() {
     Instance instance(table_);
-    demand(instance.step(path_[0]) == ENAMEL_INACTIVE, "step() on a new instance did not answer inactive");
+    demand(instance.step(path_[0]) == ENAMEL_INACTIVE, "step() on a new instance did not return inactive");
     requireDefined(instance.output, path_[0], true, "step() on a new instance");
     demand(instance.activate(options_.period) != ENAMEL_OK, "activate() before configure() was accepted");
     instance.reset();
@@ -111,7 +111,7 @@ class Checks {
     demand(instance.step(path_[0]) == ENAMEL_OK, "the first tick failed");
     const EnamelTickOutput first = instance.output;
     instance.deactivate();
-    demand(instance.step(path_[1]) == ENAMEL_INACTIVE, "step() after deactivate() did not answer inactive");
+    demand(instance.step(path_[1]) == ENAMEL_INACTIVE, "step() after deactivate() did not return inactive");
     demand(instance.activate(options_.period) == ENAMEL_OK, "the second activate() failed");
     demand(instance.step(path_[0]) == ENAMEL_OK && same(instance.output, first),
            "the first tick after a new activate() differs");
@@ -198,7 +198,7 @@ class Checks {
     inputs.offerNumbers();
     inputs.offerSurfaces();
     inputs.offerCounts();
-    inputs.offer("a time that has not advanced", path_[last - 1], true);
+    inputs.offer("a time that did not advance", path_[last - 1], true);
     demand(instance.step(path_[last]) == ENAMEL_OK && same(instance.output, expected_[last]),
            "the good tick after the bad ones differs");
     return "";
@@ -285,16 +285,17 @@ constexpr Check kCalls[] = {
     {"refuses unknown parameters and stays usable", &Checks::refusesUnknownParameters},
     {"refuses bad periods", &Checks::refusesBadPeriods},
     {"refuses double activation and configuration while active", &Checks::refusesDoubleActivation},
-    {"is inactive after deactivate, and starts again", &Checks::startsAgain},
-    {"answers a path into a wall, finite and within the limits", &Checks::answersPath},
+    {"is inactive after deactivate and starts again", &Checks::startsAgain},
+    {"renders a path into a wall with finite torques within the limits", &Checks::answersPath},
 };
 constexpr Check kAnswers[] = {
-    {"answers a soft surface with friction, on a device that cannot tell what acted", &Checks::answersSoftSurface},
+    {"renders a soft surface with friction on a device that does not report the torque that acted",
+     &Checks::answersSoftSurface},
     {"gives the same bits in another instance", &Checks::repeatsInAnotherInstance},
-    {"reset gives the first tick again", &Checks::repeatsAfterReset},
+    {"repeats the first tick after reset", &Checks::repeatsAfterReset},
     {"its state can be saved, loaded and compared", &Checks::savesState},
-    {"survives bad input: a result, a defined output, the state unchanged", &Checks::survivesBadInput},
-    {"keeps to the torque limit that it is given", &Checks::keepsTorqueLimit},
+    {"rejects bad input with an error, a defined output and an unchanged state", &Checks::survivesBadInput},
+    {"keeps the torque within the given limit", &Checks::keepsTorqueLimit},
 };
 constexpr Check kAllocation = {"allocates nothing in a tick", &Checks::allocatesNothing};
 constexpr Check kTime = {"time per step (reported only)", &Checks::takesTime};

@@ -48,18 +48,18 @@ void checkFile(const std::string& path) {
     return static_cast<bool>(file.read(reinterpret_cast<char*>(&into), sizeof into));
   };
   if (!readAt(0, head) || std::memcmp(head.e_ident, ELFMAG, SELFMAG) != 0)
-    throw PluginError(path + ": is no shared library (no ELF header)");
+    throw PluginError(path + ": is not a shared library (its ELF header is missing)");
   if (kMachine != EM_NONE && head.e_machine != kMachine)
     throw PluginError(path + ": is built for " + machineName(head.e_machine) + ", this host for " +
                       machineName(kMachine));
   if (head.e_type != ET_DYN || head.e_ident[EI_CLASS] != ELFCLASS64 || head.e_phentsize != sizeof(Elf64_Phdr))
-    throw PluginError(path + ": is no shared library");
+    throw PluginError(path + ": is not a shared library");
   // The loader maps what the header promises. Past the end of the file that is a bus error.
   for (std::uint64_t i = 0; i < head.e_phnum; ++i) {
     Elf64_Phdr part{};
     const std::uint64_t at = head.e_phoff + i * sizeof part;
     if (at >= size || !readAt(at, part) || part.p_offset > size || part.p_filesz > size - part.p_offset)
-      throw PluginError(path + ": is truncated: it has " + std::to_string(size) + " bytes and promises more");
+      throw PluginError(path + ": is truncated: it has " + std::to_string(size) + " bytes, its header declares more");
   }
 }
 
@@ -87,15 +87,17 @@ void checkDescription(const std::string& path, const EnamelDescription* d) {
   const auto isLine = [](const char* text) { return text != nullptr && printable(text) == text; };
   const auto filled = [isLine](const char* text) { return isLine(text) && *text != 0; };
   if (d == nullptr || !filled(d->name) || !filled(d->version) || !filled(d->summary))
-    throw PluginError(path + ": its description lacks a name, version or summary of one line");
+    throw PluginError(path + ": name, version and summary of its description must each be one line");
   const std::string name = d->name;
   if (!std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '-'; }))
     throw PluginError(path + ": its name \"" + name + "\" has characters other than letters, digits and '-'");
   if (d->parameter_count > 0 && d->parameters == nullptr)
-    throw PluginError(path + ": its description promises parameters that it does not list");
+    throw PluginError(path + ": its description declares " + std::to_string(d->parameter_count) +
+                      " parameters, but its list is NULL");
   for (std::size_t i = 0; i < d->parameter_count; ++i)
     if (!filled(d->parameters[i].key) || !isLine(d->parameters[i].value) || !filled(d->parameters[i].meaning))
-      throw PluginError(path + ": parameter " + std::to_string(i) + " lacks a key, default or meaning of one line");
+      throw PluginError(path + ": parameter " + std::to_string(i) +
+                        " must have a key and a meaning of one line each, and a default");
 }
 
 // The contract forbids exceptions. If a plugin throws one, report it instead of ending this program.
@@ -138,8 +140,8 @@ class PluginRenderer final : public Renderer {
     prepared_ = true;
     const std::size_t size = table_.state_size(self_.get());
     if (size > kLargestState)
-      throw PluginError(library_->path() + ": its state has " + std::to_string(size) + " bytes, at most " +
-                        std::to_string(kLargestState) + " are kept");
+      throw PluginError(library_->path() + ": its state has " + std::to_string(size) + " bytes, must be at most " +
+                        std::to_string(kLargestState));
     state_.assign(size, 0);
   }
 
@@ -190,7 +192,7 @@ std::shared_ptr<const PluginLibrary> PluginLibrary::load(const std::string& path
   void* symbol = dlsym(library->handle_, ENAMEL_PLUGIN_SYMBOL);
   if (symbol == nullptr) throw PluginError(path + ": does not export " ENAMEL_PLUGIN_SYMBOL "()");
   const EnamelPlugin* table = guarded(path, ENAMEL_PLUGIN_SYMBOL, reinterpret_cast<const EnamelPlugin* (*)()>(symbol));
-  if (table == nullptr) throw PluginError(path + ": " ENAMEL_PLUGIN_SYMBOL "() returned nothing");
+  if (table == nullptr) throw PluginError(path + ": " ENAMEL_PLUGIN_SYMBOL "() returned NULL");
   checkTable(path, *table);
   library->table_ = table;
   library->description_ = guarded(path, "describe", table->describe);
@@ -249,8 +251,8 @@ std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, c
       if (finding.library->description().name == nameOrPath) return finding.library;
       known += std::string(known.empty() ? "" : ", ") + finding.library->description().name;
     }
-  throw PluginError("there is no plugin \"" + nameOrPath + "\": " + folder + " has " +
-                    (known.empty() ? "none" : known) + "; a path ends in .so");
+  throw PluginError("unknown plugin \"" + nameOrPath + "\": " + folder +
+                    (known.empty() ? " has no plugins" : " has " + known) + "; a path must end in .so");
 }
 
 }  // namespace enamel

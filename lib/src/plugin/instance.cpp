@@ -16,15 +16,15 @@ std::string nameOf(std::int32_t result) {
 void requireDefined(const EnamelTickOutput& output, const EnamelTickInput& input, bool failed,
                     const std::string& when) {
   demand(output.answer == ENAMEL_TORQUE || output.answer == ENAMEL_WRENCH,
-         when + ": the answer is " + std::to_string(output.answer) + ", neither torque nor wrench");
+         when + ": the answer is " + std::to_string(output.answer) + ", must be torque or wrench");
   for (int i = 0; i < kMaxJoints; ++i) {
     const std::string name = when + ": torque " + std::to_string(i + 1);
     const double limit = i < input.joint_count && std::isfinite(input.max_torque[i]) ? input.max_torque[i] : 0.0;
     demand(std::isfinite(output.torque[i]), name + " is not finite");
     demand(std::abs(output.torque[i]) <= (failed ? 0.0 : std::max(0.0, limit)),
-           name + " is " + formatNumber(output.torque[i]) + " N m, the limit " + formatNumber(failed ? 0.0 : limit) +
+           name + " is " + formatNumber(output.torque[i]) + " N m, the limit is " + formatNumber(failed ? 0.0 : limit) +
                " N m");
-    demand(output.answer == ENAMEL_TORQUE || output.torque[i] == 0.0, name + " is set beside a wrench");
+    demand(output.answer == ENAMEL_TORQUE || output.torque[i] == 0.0, name + " must be 0 if the answer is a wrench");
   }
   for (const double value : output.wrench) {
     demand(std::isfinite(value), when + ": the wrench is not finite");

@@ -25,7 +25,7 @@ std::string nameOf(std::int32_t result);
 class Instance {
  public:
   explicit Instance(const EnamelPlugin& table) : table_(table), self_(table.create()) {
-    demand(self_ != nullptr, "create() returned nothing");
+    demand(self_ != nullptr, "create() returned NULL");
   }
   ~Instance() { table_.destroy(self_); }
   Instance(const Instance&) = delete;

@@ -22,8 +22,8 @@ std::string secondsText(double seconds) {
 void requireFits(const std::string& path, Eigen::Index joints, double period, int deviceJoints, double devicePeriod) {
   require(joints == deviceJoints, path + ": the servo is for " + std::to_string(joints) + " joints, the device has " +
                                       std::to_string(deviceJoints));
-  require(period == devicePeriod,
-          path + ": the servo is for ticks of " + secondsText(period) + ", these take " + secondsText(devicePeriod));
+  require(period == devicePeriod, path + ": the servo is for ticks of " + secondsText(period) +
+                                      ", the period here is " + secondsText(devicePeriod));
 }
 
 // The parameters of a linked renderer, as texts.
@@ -99,7 +99,7 @@ std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std
     if (drive == "ideal") options.drive = {};
     return std::make_unique<PositionControlRenderer>(options);
   }
-  require(name == kHold, "there is no linked renderer \"" + name + "\"");
+  require(name == kHold, "unknown linked renderer \"" + name + "\"");
   const std::string gain = of.text("gain", "designed");
   HoldOptions options;
   of.readFlag("release", options.release);

@@ -25,15 +25,19 @@ constexpr double kSideStiffness = 2e4;  // N/m
 Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur)
     : number_(bur.part), solids_(std::move(solids)) {
   if (number_ < 0 || number_ >= tool.count)
-    throw Error("the bur is part " + std::to_string(number_) + " of the tool, which has " + std::to_string(tool.count));
+    throw Error("the bur is part " + std::to_string(number_) + " of the tool, must be below its number of parts, " +
+                std::to_string(tool.count));
   part_ = tool.parts[static_cast<std::size_t>(number_)];
-  if (!(part_.radius > 0.0)) throw Error("the bur, part " + std::to_string(number_) + " of the tool, has no radius");
+  if (!(part_.radius > 0.0))
+    throw Error("the bur, part " + std::to_string(number_) + " of the tool, must have a radius greater than 0 mm");
   if (!(part_.radius <= Solid::kLargestBur))
     throw Error("the bur, part " + std::to_string(number_) + " of the tool, has a radius of " +
                 formatNumber(1e3 * part_.radius) + " mm, must be at most " + formatNumber(1e3 * Solid::kLargestBur) +
                 " mm; are its lengths in metres?");
-  if (!(bur.wear > 0.0 && std::isfinite(bur.wear))) throw Error("the wear of a bur must be positive and finite");
-  if (!(bur.turns >= 0.0 && bur.turns <= kMostTurns)) throw Error("a bur turns 0 to 10000 times a second");
+  if (!(bur.wear > 0.0 && std::isfinite(bur.wear)))
+    throw Error("the wear of the bur is " + formatNumber(bur.wear) + ", must be positive and finite");
+  if (!(bur.turns >= 0.0 && bur.turns <= kMostTurns))
+    throw Error("the bur turns " + formatNumber(bur.turns) + " times a second, must be 0 to 10000");
   removal_ = bur.wear * 2.0 * M_PI * part_.radius * bur.turns;
   area_ = (M_PI * part_.radius + 2.0 * (part_.b - part_.a).norm()) * part_.radius;
 }

@@ -118,7 +118,7 @@ const GuardOptions& checked(const Mechanism& device, const GuardOptions& o) {
   requirePeriod(o.period, "guard: ");
   for (const JointVector* v : {&o.torque, &o.slew, &o.rate, &o.encoderStep})
     require(v->size() == n, "guard: torque, slew, rate and encoder step need " + std::to_string(n) +
-                                " numbers, one has " + std::to_string(v->size()));
+                                " numbers each, one has " + std::to_string(v->size()));
   for (int i = 0; i < n; ++i) {
     const double limit = device.limits().effort[i];
     require(o.torque[i] >= 0.0 && o.torque[i] <= limit,
@@ -132,26 +132,27 @@ const GuardOptions& checked(const Mechanism& device, const GuardOptions& o) {
   requireLimit(o.workspace.minCoeff(), "a half width of the workspace", "m");
   requireLimit(o.margin, "the workspace's margin", "m");
   require(o.speed >= 0.0 && o.stopSpeed >= o.speed && o.turn >= 0.0 && o.stopTurn >= o.turn,
-          "guard: speed and turn must be at least 0, and the stops not below them");
+          "guard: speed and turn must be at least 0, stopSpeed at least speed, stopTurn at least turn");
   requireLimit(o.brake, "the brake", "N s/m");
-  requireLimit(o.brakeTurn, "the brake of turns", "N m s/rad");
+  requireLimit(o.brakeTurn, "the brake of rotation", "N m s/rad");
   require(o.damping.allFinite(), "guard: the damping is not finite");
   requireLimit(o.drive.stiffness, "the stiffness of the cables", "N m/rad or N/m");
   requireLimit(o.drive.damping, "the damping of the cables", "N m s/rad or N s/m");
   require(o.drive.stiffness == 0.0 ||
               (o.drive.rotorInertia > 0.0 && o.linkInertia.size() == n && o.linkInertia.minCoeff() > 0.0),
-          "guard: behind cables rotors and links must have inertias greater than 0");
+          "guard: with cables the inertias of rotors and links must be greater than 0");
   requireLimit(o.energy, "the energy budget", "J");
   requireLimit(o.power, "the power", "W");
   require(o.softest > 0.0, "guard: the softest wall is " + formatNumber(o.softest) + ", must be greater than 0 N/m");
   requireLimit(o.oscillation, "the oscillation", "of a motor's limit");
-  requireLimit(o.engage, "the torque to engage at", "of a motor's limit");
+  requireLimit(o.engage, "the largest torque at which it engages", "of a motor's limit");
   requireLimit(o.rampIn, "the ramp in", "s");
   requireLimit(o.rampOut, "the ramp out", "s");
   require(o.delay >= 0 && o.delay <= kMostGuardDelay, "guard: the delay is " + std::to_string(o.delay) +
                                                           ", must be in 0 to " + std::to_string(kMostGuardDelay) +
                                                           " ticks");
-  require(o.longestGap >= 1 && o.mostMissed >= 0, "guard: the longest gap must be at least 1 period, the misses 0");
+  require(o.longestGap >= 1 && o.mostMissed >= 0,
+          "guard: the longest gap must be at least 1 period, the number of missed deadlines at least 0");
   return o;
 }
 

@@ -51,7 +51,7 @@ Port portOf(const std::vector<unsigned char>& state) noexcept {
 
 PassivityRenderer::PassivityRenderer(std::unique_ptr<Renderer> wall, PassivityBound bound)
     : wall_(std::move(wall)), bound_(bound) {
-  require(wall_ != nullptr, "passivity: there is no wall");
+  require(wall_ != nullptr, "passivity: the wall's renderer is missing");
   state_.resize(sizeof(Port));
 }
 

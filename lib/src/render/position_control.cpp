@@ -711,13 +711,13 @@ PositionControlRenderer::PositionControlRenderer(const PositionControlOptions& o
     refuse("delay is " + std::to_string(options.delayLow) + " to " + std::to_string(options.delayHigh) +
            " ticks, must be within 0 to " + std::to_string(kMaxLoopDelay) + ", the smallest first");
   if (!(options.period >= 1e-5 && options.period <= 0.1))
-    refuse("period is " + formatNumber(options.period) + " s, must be in 1e-5 to 0.1");
+    refuse("period is " + formatNumber(options.period) + " s, must be in 1e-5 to 0.1 s");
   const Drive& d = options.drive;
   for (const double number : {d.bandwidth, d.rotorInertia, d.stiffness, d.damping, d.disturbance})
     if (!(number >= 0.0 && std::isfinite(number)))
-      refuse("a number of the drive is " + formatNumber(number) + ", must be zero or positive");
+      refuse("a parameter of the drive is " + formatNumber(number) + ", must be zero or positive");
   if (d.stiffness > 0.0 && !(d.rotorInertia > 0.0))
-    refuse("a cable of " + formatNumber(d.stiffness) + " needs a rotor");
+    refuse("a cable stiffness of " + formatNumber(d.stiffness) + " requires a rotor inertia greater than 0");
   if (d.stiffness > 0.0)
     controller_ = std::make_unique<ControllerOf<4>>(options);
   else
@@ -730,8 +730,8 @@ PositionControlState PositionControlRenderer::state() const noexcept { return co
 
 void PositionControlRenderer::prepare(double period) {
   if (period != period_)
-    throw Error("position control: is for ticks of " + formatNumber(period_) + " s, these take " +
-                formatNumber(period));
+    throw Error("position control: is for ticks of " + formatNumber(period_) + " s, the period here is " +
+                formatNumber(period) + " s");
 }
 
 Status PositionControlRenderer::render(const TickFrame& frame, TickOutput& output) noexcept {

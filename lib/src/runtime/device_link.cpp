@@ -153,7 +153,8 @@ LinkKey readKey(const std::string& path) {
     good = digit(text[i]) >= 0;
     if (good) key[i / 2] = static_cast<unsigned char>(16 * key[i / 2] + digit(text[i]));
   }
-  if (!good) throw ConfigurationError(path, 0, "", "a key has 32 hexadecimal digits (0 to 9, a to f) on one line");
+  if (!good)
+    throw ConfigurationError(path, 0, "", "the key must be 32 hexadecimal digits (0 to 9, a to f) on one line");
   return key;
 }
 
@@ -192,16 +193,16 @@ std::uint64_t sipHash(const LinkKey& key, std::string_view text) noexcept {
 const char* toString(DropReason reason) noexcept {
   switch (reason) {
     case DropReason::length: return "wrong length";
-    case DropReason::magic: return "not ours";
+    case DropReason::magic: return "wrong protocol";
     case DropReason::version: return "another version";
     case DropReason::checksum: return "wrong checksum";
-    case DropReason::tag: return "not made with our key";
+    case DropReason::tag: return "wrong key";
     case DropReason::kind: return "another kind or number of joints";
-    case DropReason::session: return "of another session";
+    case DropReason::session: return "another session";
     case DropReason::duplicate: return "duplicate";
     case DropReason::old: return "reordered";
     case DropReason::notFinite: return "not finite";
-    case DropReason::limits: return "beyond the motors' limits";
+    case DropReason::limits: return "above the motors' limits";
     case DropReason::stale: return "too late";
   }
   return "unknown reason";
@@ -304,7 +305,7 @@ std::size_t LinkClient::command(const JointVector& torque, std::int64_t now, Dat
 LinkServer::LinkServer(const LinkOptions& options, const Mechanism& mechanism, std::uint64_t nonce)
     : options_(checked(options)), mechanism_(mechanism), kinematics_(mechanism.home()), server_(nonce) {
   require(mechanism.joints() == options.joints, "link: the mechanism has " + std::to_string(mechanism.joints()) +
-                                                    " joints, the link " + std::to_string(options.joints));
+                                                    " joints, the link has " + std::to_string(options.joints));
   torque_ = JointVector::Zero(options.joints);
 }
 

@@ -29,12 +29,12 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
       period_(options.period),
       ticks_(haptics.guard().options().period) {
   const GuardOptions& guard = haptics.guard().options();
-  require(guard.on, "haptic loop: the guard is off; only simulations may run without it");
+  require(guard.on, "haptic loop: the guard is off; switch it on: only simulations may run without it");
   if (period_ == 0.0) period_ = ticks_;
   require(period_ >= kShortestPeriod && period_ <= kLongestPeriod && period_ <= ticks_,
           "haptic loop: the period is " + formatNumber(period_) + " s, must be in " + formatNumber(kShortestPeriod) +
-              " to " + formatNumber(kLongestPeriod) + " s and not longer than that of the ticks, " +
-              formatNumber(ticks_) + " s");
+              " to " + formatNumber(kLongestPeriod) + " s and at most that of the ticks, " + formatNumber(ticks_) +
+              " s");
   device_.open();
   const auto begin = Clock::now();
   Status status = device_.measure(measurement_);

@@ -37,7 +37,7 @@ double seconds(std::int64_t duration) noexcept { return 1e-9 * static_cast<doubl
 
 PeriodicThread::PeriodicThread(double period, std::function<void()> work, int priority) : work_(std::move(work)) {
   if (!(period >= 1e-5 && period <= 10.0))
-    throw Error("periodic thread: the period is " + formatNumber(period) + ", must be in 1e-05 to 10 s");
+    throw Error("periodic thread: the period is " + formatNumber(period) + " s, must be in 1e-05 to 10 s");
   try {
     thread_ = std::thread(&PeriodicThread::run, this, std::llround(period * kSecond), priority);
   } catch (const std::system_error& error) {

@@ -65,7 +65,7 @@ class Reading {
     return {*found, file_, path(key)};
   }
   std::string text() const {
-    if (!json_.is_string()) refuse("must be a text");
+    if (!json_.is_string()) refuse("must be a string");
     return json_.get<std::string>();
   }
   double number() const {
@@ -146,7 +146,7 @@ RecordingHeader parseHeader(const std::string& text, const std::string& file) {
   h.renderer = all.at("renderer").at("name").text();
   h.plugin = all.at("renderer").at("plugin").text();
   const Reading parameters = all.at("renderer").at("parameters");
-  if (!parameters.json().is_object()) parameters.refuse("must be an object of texts");
+  if (!parameters.json().is_object()) parameters.refuse("must be an object of strings");
   for (const auto& entry : parameters.json().items()) h.parameters[entry.key()] = parameters.at(entry.key()).text();
   all.at("start").at("position").read(h.start.position);
   all.at("start").at("rotation").read(h.start.rotation);
@@ -263,19 +263,19 @@ RecordingReader::RecordingReader(const std::string& path)
   try {
     struct stat status {};
     if (fstat(file_, &status) != 0) refuse(std::string("cannot read the file: ") + std::strerror(errno));
-    if (!S_ISREG(status.st_mode)) refuse("is no plain file");
+    if (!S_ISREG(status.st_mode)) refuse("is not a regular file");
     size_ = static_cast<std::uint64_t>(status.st_size);
     char preamble[kPreamble] = {};
     if (size_ < kPreamble || readAt(file_, 0, preamble, kPreamble, path_) != kPreamble ||
         std::memcmp(preamble, kMagic, sizeof(kMagic)) != 0)
-      refuse("is no recording");
+      refuse("is not a recording");
     std::uint32_t words[4];
     std::memcpy(words, preamble + sizeof(kMagic), sizeof(words));
     if (words[0] != kVersion)
       refuse("is a recording of version " + std::to_string(words[0]) + ", this program reads " +
              std::to_string(kVersion));
     if (words[1] > kLargestHeader || words[1] > size_ - kPreamble)
-      refuse("has a header of " + std::to_string(words[1]) + " bytes, which the file does not have");
+      refuse("has a header of " + std::to_string(words[1]) + " bytes, the file is too short for it");
     std::string text(words[1], '\0');
     if (readAt(file_, kPreamble, text.data(), text.size(), path_) != text.size() || crc32(text) != words[2])
       refuse("its header is damaged");
@@ -293,7 +293,7 @@ RecordingReader::~RecordingReader() { close(file_); }
 
 std::string RecordingReader::read(std::uint64_t number, RecordedChunk& chunk) {
   require(number < chunks_,
-          path_ + ": has " + std::to_string(chunks_) + " chunks, there is no chunk " + std::to_string(number));
+          path_ + ": has " + std::to_string(chunks_) + " chunks, chunk " + std::to_string(number) + " does not exist");
   const std::uint64_t at = begin_ + number * chunkSize_;
   buffer_.resize(static_cast<std::size_t>(std::min(chunkSize_, size_ - at)));
   const auto damaged = [number, at](const std::string& problem) {
@@ -313,7 +313,7 @@ std::string RecordingReader::read(std::uint64_t number, RecordedChunk& chunk) {
   const bool isLast = (head.flags & kLast) != 0;
   if (head.sequence != number || (head.flags & ~(kFresh | kLast)) != 0 || (head.ticks < kChunkTicks && !isLast) ||
       (isLast && (number + 1 != chunks_ || buffer_.size() != size)))
-    return damaged("is not the one that belongs there");
+    return damaged("is not the one expected there");
   RecordedChunk read;
   read.sequence = head.sequence;
   read.lost = head.lost;
@@ -324,7 +324,7 @@ std::string RecordingReader::read(std::uint64_t number, RecordedChunk& chunk) {
   for (std::size_t i = 0; i < head.ticks; ++i) {
     TickBytes tick;
     std::memcpy(&tick, buffer_.data() + sizeof(head) + states + i * sizeof(tick), sizeof(tick));
-    if (!isWhole(tick)) return damaged("has a tick that cannot be");
+    if (!isWhole(tick)) return damaged("has an invalid tick");
     read.ticks.push_back(tickOf(tick, header_.joints));
   }
   chunk = std::move(read);

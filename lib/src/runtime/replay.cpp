@@ -53,7 +53,7 @@ ReplayResult replay(RecordingReader& recording, HapticTick& tick, std::uint64_t 
                     const std::function<void(const RecordedTick&, const HapticTick&)>& each) {
   const RecordingHeader& header = recording.header();
   const int joints = static_cast<int>(tick.frame().output.torque.size());
-  require(joints == header.joints, "the device has " + std::to_string(joints) + " joints, that of the recording " +
+  require(joints == header.joints, "the device has " + std::to_string(joints) + " joints, that of the recording has " +
                                        std::to_string(header.joints));
   ReplayResult result;
   result.requested = result.command = JointVector::Zero(joints);

@@ -40,13 +40,13 @@ sockaddr_in find(const std::string& host, std::uint16_t port, const LinkOptions&
   address.sin_port = htons(port);
   const bool loopback = (ntohl(address.sin_addr.s_addr) >> 24) == 127;
   require(loopback || options.key.has_value(),
-          "device: " + host + " is not of this machine alone (127.0.0.1): a key is required");
+          "device: " + host + " can be reached from other machines: give a key, or use 127.0.0.1");
   return address;
 }
 
 int openSocket() {
   const int s = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  require(s >= 0, std::string("device: no socket: ") + std::strerror(errno));
+  require(s >= 0, std::string("device: cannot open a socket: ") + std::strerror(errno));
   return s;
 }
 

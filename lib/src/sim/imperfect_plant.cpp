@@ -100,7 +100,8 @@ ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uin
   DeviceParameters built = parameters;
   MotorParameters* const motor = motorOf(built);
   if (motor == nullptr)
-    throw Error("device \"" + nameOf(parameters) + "\": nothing is known of the drives of a Cartesian device");
+    throw Error("device \"" + nameOf(parameters) +
+                "\": a Cartesian device has no drive parameters; use the plant closed-form");
   ImperfectDevice device;
   device.imperfections = imperfectionsOf(parameters);
   Draw draw(seed, number);

@@ -17,7 +17,7 @@ bool isPerfect(const Imperfections& i) noexcept {
 }
 
 void requireName(const std::string& plant) {
-  if (const std::string problem = checkPlant(plant); !problem.empty()) throw Error("plant " + problem);
+  if (const std::string problem = checkPlant(plant); !problem.empty()) throw Error(problem);
 }
 
 }  // namespace
@@ -35,7 +35,7 @@ std::string checkPlant(const std::string& plant) {
     if (plant == name) return "";
     names += name + ", ";
   }
-  return plant + " is not among " + names + "FILE.fmu";
+  return "unknown plant \"" + plant + "\": must be " + names + "or FILE.fmu";
 }
 
 const char* plantOf(const DeviceParameters& device) noexcept {
@@ -70,7 +70,8 @@ MakePlant plantMaker(const std::string& plant, const DeviceParameters& parameter
   const Imperfections& imperfections = imperfectionsOf(imperfect);
   (void)makeImperfectDevice(imperfect, setup.seed);  // throws if the device cannot be made
   if (isPerfect(imperfectionsOf(parameters)))
-    throw Error(nameOf(parameters) + " has no [imperfections]: its " + plant + " plant would be the closed form");
+    throw Error(nameOf(parameters) + " has no [imperfections], which the plant " + plant +
+                " requires; use the plant closed-form");
   setup.jitter = imperfections.jitter;
   setup.lostSamples = imperfections.lostSamples;
   return [imperfect, seed = setup.seed](std::uint32_t stream) {

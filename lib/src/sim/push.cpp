@@ -116,7 +116,7 @@ void setScene(const SceneFile& file, PushSetup& setup) {
   setup.tool = file.tool;
   setup.force = std::min(setup.force, file.maxForce);
   setup.start.position = file.start;
-  require(placeOnSurface(setup), "no surface of the scene is near its start");
+  require(placeOnSurface(setup), "the scene has no surface near its start: move start closer to an obstacle");
 }
 
 bool placeOnSurface(PushSetup& setup) noexcept {
@@ -136,12 +136,12 @@ void checkPush(const PushSetup& setup) {
   require(p.scenario == 1 || p.scenario == 2, "scenario is " + std::to_string(p.scenario) + ", must be 1 or 2");
   if (p.arm) {
     const Arm& a = *p.arm;
-    require(p.scenario == 1, "an arm pushes in scenario 1 only");
+    require(p.scenario == 1, "scenario is 2, must be 1 with an arm");
     require(a.mass > 0.0 && std::isfinite(a.mass),
             "the arm's mass is " + formatNumber(a.mass) + ", must be above 0 kg");
     for (const double value : {a.damping, a.stiffness, a.grip.stiffness, a.grip.damping})
       require(value >= 0.0 && std::isfinite(value),
-              "damping or stiffness of the arm is " + formatNumber(value) + ", must be at least 0");
+              "a damping or stiffness of the arm is " + formatNumber(value) + ", must be at least 0");
   }
   require(std::abs(p.normal.norm() - 1.0) <= 1e-6,
           "the normal of the push has the length " + formatNumber(p.normal.norm()) + ", must be 1");
@@ -150,7 +150,7 @@ void checkPush(const PushSetup& setup) {
   require(p.force >= 0.0 && p.force <= 1e3, "force is " + formatNumber(p.force) + ", must be in 0 to 1000 N");
   require(p.preload >= 0.0 && p.preload <= 1e3, "preload is " + formatNumber(p.preload) + ", must be in 0 to 1000 N");
   require(p.instant >= 0.0 && p.instant < 1.0,
-          "instant of the step is " + formatNumber(p.instant) + ", must be in 0 to below 1 tick");
+          "instant of the step is " + formatNumber(p.instant) + ", must be at least 0 and below 1 tick");
   require(p.noise >= 0.0 && p.noise <= 1e3, "noise is " + formatNumber(p.noise) + ", must be in 0 to 1000 N");
   require(setup.duration >= 0.0 && setup.duration <= kLongestRun,
           "duration is " + formatNumber(setup.duration) + ", must be in 0 to 3600 s");

@@ -15,7 +15,7 @@ const VirtualDeviceSetup& checked(const VirtualDeviceSetup& setup) {
 }
 
 Kinematics started(Plant* plant, const Pose& start) {
-  require(plant != nullptr, "a virtual device needs a plant");
+  require(plant != nullptr, "virtual device: the plant is missing");
   Kinematics kinematics;
   Status status = plant->start(start);
   if (status == Status::ok) status = plant->mechanism().reach(start, Vec6::Zero(), false, kinematics);
@@ -64,12 +64,12 @@ JointVector Motors::actuate(std::uint64_t tick, const JointVector& command, cons
 void checkVirtualDevice(const VirtualDeviceSetup& setup) {
   requirePeriod(setup.period, "");
   require(setup.start.position.allFinite() && isRotation(setup.start.rotation),
-          "the start pose is not finite, or its rotation is no right-handed orthonormal matrix to 1e-6");
+          "the start pose is not finite, or its rotation is not a right-handed orthonormal matrix to 1e-6");
   require(setup.substeps >= 1 && setup.substeps <= 1000,
           "substeps is " + std::to_string(setup.substeps) + ", must be in 1 to 1000");
   require(0 <= setup.delay.low && setup.delay.low <= setup.delay.high && setup.delay.high <= kMaxDelay,
           "delay is " + std::to_string(setup.delay.low) + ".." + std::to_string(setup.delay.high) +
-              ", must be in 0 to " + std::to_string(kMaxDelay) + " ticks, low first");
+              ", must be in 0 to " + std::to_string(kMaxDelay) + " ticks, the smaller first");
   require(setup.jitter >= 0.0 && setup.jitter <= 1.0,
           "jitter is " + formatNumber(setup.jitter) + ", must be in 0 to 1 of the period");
   require(setup.lostSamples >= 0.0 && setup.lostSamples <= 0.5,

@@ -82,7 +82,7 @@ const ControllerSpec& rivalSpec(const std::string& name) {
     if (spec.name == name) return spec;
     names += (names.empty() ? "" : ", ") + spec.name;
   }
-  throw Error("there is no controller \"" + name + "\": " + names);
+  throw Error("unknown controller \"" + name + "\": must be one of " + names);
 }
 
 ControllerFile loadControllers(const std::string& path) {
@@ -132,7 +132,8 @@ std::string controllersText(const ControllerFile& written) {
   for (const ControllerValues& found : written.controllers) {
     const ControllerSpec& spec = rivalSpec(found.controller);
     require(found.values.size() == spec.parameters.size(),
-            "controllers: " + found.controller + " has another number of values");
+            "controllers: " + found.controller + " has " + std::to_string(found.values.size()) + " values, must have " +
+                std::to_string(spec.parameters.size()));
     Json entry;
     entry["controller"] = found.controller;
     entry["delay"] = {found.delayLow, found.delayHigh};

@@ -53,8 +53,8 @@ Vec3 queryPoint(const StudyPlan& plan, std::size_t point) noexcept {
 }
 
 StudyRun runAt(const StudyPlan& plan, std::size_t index) {
-  require(plan.runs >= 1 && index < plan.size(), "run " + std::to_string(index) + " is asked for, the study has " +
-                                                     std::to_string(plan.runs >= 1 ? plan.size() : 0));
+  require(plan.runs >= 1 && index < plan.size(), "run " + std::to_string(index) + " does not exist, the study has " +
+                                                     std::to_string(plan.runs >= 1 ? plan.size() : 0) + " runs");
   const auto runs = static_cast<std::size_t>(plan.runs);
   StudyRun run;
   run.run = static_cast<int>(index % runs);
@@ -72,9 +72,9 @@ StudyRun runAt(const StudyPlan& plan, std::size_t index) {
 
 PushSetup setupOf(const StudyPlan& plan, const StudyRun& run) {
   require(run.column < plan.columns.size() && run.point < plan.points(),
-          "column " + std::to_string(run.column) + " and point " + std::to_string(run.point) +
-              " are asked for, the study has " + std::to_string(plan.columns.size()) + " and " +
-              std::to_string(plan.points()));
+          "column " + std::to_string(run.column) + " or point " + std::to_string(run.point) +
+              " does not exist, the study has " + std::to_string(plan.columns.size()) + " columns and " +
+              std::to_string(plan.points()) + " points");
   PushSetup setup = plan.setup;
   setup.start.position = queryPoint(plan, run.point);
   setup.hand.scenario = run.scenario;
@@ -84,7 +84,7 @@ PushSetup setupOf(const StudyPlan& plan, const StudyRun& run) {
   if (const double period = plan.columns[run.column].period; period > 0.0) {
     const double ticks = std::nearbyint(setup.period / period);
     require(ticks >= 1.0 && std::abs(ticks * period - setup.period) < 1e-9 * setup.period,
-            plan.columns[run.column].name + ": a period of " + formatNumber(setup.period) + " s is no multiple of " +
+            plan.columns[run.column].name + ": a period of " + formatNumber(setup.period) + " s is not a multiple of " +
                 formatNumber(period) + " s");
     setup.period = period;
     setup.delay.low *= static_cast<int>(ticks);

@@ -46,7 +46,7 @@ Status statusNamed(std::string_view name, const std::string& where) {
 FirstImpactVerdict verdictNamed(std::string_view name, const std::string& where) {
   for (int i = 0; i < kVerdicts; ++i)
     if (name == toString(static_cast<FirstImpactVerdict>(i))) return static_cast<FirstImpactVerdict>(i);
-  throw Error(where + ": \"" + std::string(name) + "\" is not how a first impact can end");
+  throw Error(where + ": \"" + std::string(name) + "\" is not a verdict on a first impact");
 }
 
 StudyResult parseLine(const StudyPlan& plan, std::size_t index, std::string_view line, const std::string& where) {
@@ -54,7 +54,7 @@ StudyResult parseLine(const StudyPlan& plan, std::size_t index, std::string_view
   result.run = runAt(plan, index);
   const std::string expected = identity(plan, result.run);
   if (line.substr(0, expected.size()) != expected)
-    throw Error(where + ": is not run " + std::to_string(index) + " of this study, which begins with " + expected);
+    throw Error(where + ": is not run " + std::to_string(index) + " of this study, whose line begins with " + expected);
   line.remove_prefix(expected.size());
   // status, first impact, metrics, faults
   std::array<std::string_view, kMetrics + 3> fields;
@@ -98,12 +98,13 @@ Content readContent(const StudyPlan& plan, const std::string& path, const RunRan
     const std::string_view line(all.data() + begin, end - begin);
     const std::string where = path + ":" + std::to_string(content.results.size() + content.header + 1);
     if (!content.header) {
-      if (line != runHeader()) throw Error(where + ": is not the head of a file of runs");
+      if (line != runHeader()) throw Error(where + ": is not the header of a file of runs");
       content.header = true;
     } else {
       if (content.results.size() >= range.count) throw Error(where + ": more runs than this study has");
       content.results.push_back(parseLine(plan, range.first + content.results.size(), line, where));
-      if (runLine(plan, content.results.back()) != line) throw Error(where + ": is not as a study writes it");
+      if (runLine(plan, content.results.back()) != line)
+        throw Error(where + ": differs from what the study writes for this run");
     }
     content.bytes = end + 1;
   }
@@ -131,7 +132,8 @@ std::string runLine(const StudyPlan& plan, const StudyResult& result) {
 
 RunRange partOf(const StudyPlan& plan, int number, int parts) {
   require(parts >= 1 && number >= 1 && number <= parts,
-          "part " + std::to_string(number) + " of " + std::to_string(parts) + ", must be 1 to their number");
+          "part " + std::to_string(number) + " of " + std::to_string(parts) +
+              ": the number of the part must be in 1 to the number of parts");
   const auto begin = [&](int part) {
     return plan.size() * static_cast<std::size_t>(part) / static_cast<std::size_t>(parts);
   };
@@ -142,8 +144,8 @@ RunFile::RunFile(const StudyPlan& plan, std::string path, bool resume, const Run
     : plan_(plan), path_(std::move(path)), file_(nullptr, &std::fclose) {
   constexpr std::size_t kLongestLine = 400;  // with margin: numbers of 17 digits for every metric
   if (plan.size() > kLargestRunFile / kLongestLine)
-    throw Error(path_ + ": would hold " + std::to_string(plan.size()) + " runs, at most " +
-                std::to_string(kLargestRunFile / kLongestLine) + " are read again");
+    throw Error(path_ + ": would hold " + std::to_string(plan.size()) + " runs, must be at most " +
+                std::to_string(kLargestRunFile / kLongestLine));
   // Without O_NONBLOCK a pipe would wait for a reader.
   if (const int number = open(path_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666); number >= 0)
     file_.reset(fdopen(number, "ab"));

@@ -18,7 +18,7 @@
 namespace enamel {
 namespace {
 
-constexpr const char* kNoPlant = "wall design: no device to design for";
+constexpr const char* kNoPlant = "wall design: the device is missing";
 constexpr int kPoints = 5, kChildren = 8;
 constexpr double kSettling = 0.5, kAfter = 0.4, kRampTime = 0.05;  // s
 constexpr double kQuiet = 0.25;                                    // s at the end of both parts, for the chatter
@@ -299,7 +299,8 @@ void addImpacts(const WallDesignSetup& setup, const MakeRenderer& make, std::uin
 std::vector<WallScore> evaluateAll(const WallDesignSetup& setup, const std::vector<MakeRenderer>& candidates,
                                    std::uint32_t trialNumber, int threads) {
   require(setup.plant != nullptr, kNoPlant);
-  require(setup.runs >= 1 && setup.runs <= 10000, "wall design: the runs must be in 1 to 10000");
+  require(setup.runs >= 1 && setup.runs <= 10000,
+          "wall design: the runs are " + std::to_string(setup.runs) + ", must be in 1 to 10000");
   std::vector<std::shared_ptr<const Mechanism>> models = {setup.plant};
   if (setup.inertiaError > 0.0)
     for (const double sign : {-1.0, 1.0}) models.push_back(withInertia(setup.plant, 1.0 + sign * setup.inertiaError));
@@ -342,7 +343,7 @@ std::vector<WallScore> evaluateAll(const WallDesignSetup& setup, const std::vect
 std::shared_ptr<const Mechanism> withInertia(std::shared_ptr<const Mechanism> mechanism, double factor) {
   require(mechanism != nullptr, kNoPlant);
   require(factor >= 0.01 && factor <= 100.0,
-          "the inertia is " + formatNumber(factor) + " of the device's, must be in 0.01 to 100");
+          "the inertia is " + formatNumber(factor) + " times the device's, must be 0.01 to 100 times");
   return std::make_shared<WrongInertia>(std::move(mechanism), factor);
 }
 
@@ -361,7 +362,7 @@ WallDesignSetup withinMotors(WallDesignSetup setup) {
 }
 
 WallScore evaluateWall(const WallDesignSetup& setup, const MakeRenderer& make, std::uint32_t trial, int threads) {
-  require(make != nullptr, "wall design: no renderer to evaluate");
+  require(make != nullptr, "wall design: the renderer is missing");
   return evaluateAll(setup, {make}, trial, threads).front();
 }
 
@@ -369,7 +370,7 @@ std::vector<double> designController(const WallDesignSetup& setup, const Control
                                      const std::vector<double>& start, int generations, int threads,
                                      const std::function<void(int, const WallScore&)>& progress) {
   require(start.size() == spec.parameters.size(), "wall design: " + spec.name + " has " +
-                                                      std::to_string(spec.parameters.size()) + " numbers, " +
+                                                      std::to_string(spec.parameters.size()) + " parameters, " +
                                                       std::to_string(start.size()) + " are given");
   const ControllerUse use{setup.plant, setup.period, setup.delay};
   (void)spec.with(use, start);  // throws here if the start is invalid

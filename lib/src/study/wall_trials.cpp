@@ -346,7 +346,8 @@ std::vector<WallFigure> runWallTrials(const WallTrialSetup& setup, const std::st
           "wall trials: the runs are " + std::to_string(setup.runs) + ", must be in 1 to 10000");
   const double share = forceShare(*setup.plant);
   Kinematics home = setup.plant->home();
-  require(setup.plant->reach(home.pose, Vec6::Zero(), true, home) == Status::ok, "wall trials: no home");
+  require(setup.plant->reach(home.pose, Vec6::Zero(), true, home) == Status::ok,
+          "wall trials: the home pose cannot be reached");
   const double mass = effectiveMass(home, home.pose.position, Vec3::UnitZ()),
                most = largestForce(home, setup.plant->limits().effort, home.pose.position, Vec3::UnitZ()),
                late = (setup.delay.high + 1) * setup.period;

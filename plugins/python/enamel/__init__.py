@@ -1,7 +1,7 @@
 """Stiff contact on haptic devices: Enamel in Python.
 
 SI units. World frame W: x right, y up, z from the wall towards the user, origin at the centre of the workspace. A twist
-is [v; w], a wrench [f; m]: both at the TCP and in the axes of W.
+is [v; w], a wrench [f; m]; both are at the TCP and in the axes of W.
 
 Five lines plot a push:
 

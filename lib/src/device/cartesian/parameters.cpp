@@ -30,8 +30,8 @@ void checkMass(const CartesianParameters& device, const Fail& fail) {
     points *= static_cast<std::size_t>(count);
   }
   if (table.mass.size() != points)
-    fail("platform.mass_table",
-         "has " + std::to_string(table.mass.size()) + " masses, mass_counts asks for " + std::to_string(points));
+    fail("platform.mass_table", "has " + std::to_string(table.mass.size()) + " masses, must have the " +
+                                    std::to_string(points) + " of mass_counts");
   for (const double mass : table.mass) requirePositive(mass, "platform.mass_table", "kg", fail);
 }
 
@@ -43,7 +43,7 @@ void check(const CartesianParameters& device, const Fail& fail) {
   requirePositive(device.maxForce, "max_force", "N", fail);
   requirePositive(device.positionStep, "position_step", "m", fail);
   if (std::none_of(device.driven.begin(), device.driven.begin() + device.axes, [](bool driven) { return driven; }))
-    fail("driven", "names no axis with a motor: one must be 1");
+    fail("driven", "is 0 for every axis, at least one must be 1 (with a motor)");
   checkMass(device, fail);
   for (int i = 0; i < device.axes; ++i)
     requireNotNegative(device.damping[i], indexed("platform.damping", i), i < 3 ? "N s/m" : "N m s/rad", fail);
@@ -60,7 +60,7 @@ void check(const CartesianParameters& device, const Fail& fail) {
 
 // Rejects a key that only a device of 6 axes has.
 void refuseTurn(TomlTable& table, const std::string& key) {
-  if (table.has(key)) table.fail(key, "stands beside axes = 3: only a device of 6 axes turns");
+  if (table.has(key)) table.fail(key, "is not allowed with axes = 3: only a device of 6 axes turns");
 }
 
 // One number per axis: 1 with a motor, 0 without.
@@ -91,7 +91,7 @@ void readMass(TomlTable& platform, CartesianParameters& device) {
       platform.fail("mass_counts", "must be whole numbers in 2 to " + std::to_string(kMostMasses));
     device.massTable.counts[i] = static_cast<int>(counts[i]);
   }
-  if (platform.has("mass")) platform.fail("mass", "is given beside mass_table: give one of them");
+  if (platform.has("mass")) platform.fail("mass", "is given together with mass_table: give one of them");
 }
 
 }  // namespace

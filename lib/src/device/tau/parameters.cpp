@@ -73,7 +73,8 @@ LinkParameters readLink(TomlTable& chain, const char* key) {
   link.mass = table.number("mass");
   if (table.has("radius")) {
     if (table.has("com") || table.has("inertia"))
-      table.fail("radius", "stands beside com or inertia: a link has either a radius (uniform rod) or com and inertia");
+      table.fail("radius",
+                 "is given together with com or inertia: give either radius (a uniform rod) or com and inertia");
     const double radius = table.number("radius");
     if (!(radius > 0.0)) table.fail("radius", "is " + formatNumber(radius) + ", must be greater than 0 m");
     link = uniformRod(link.length, link.mass, radius);
