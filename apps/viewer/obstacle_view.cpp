@@ -1,5 +1,6 @@
 #include "obstacle_view.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,5 +1,6 @@
 #include "support/assembled_delta.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 

@@ -1,4 +1,5 @@
 // The Cartesian device: rotation vectors, their Jacobian, the body's motion, strict files.
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "enamel/core/error.hpp"

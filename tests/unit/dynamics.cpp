@@ -2,6 +2,7 @@
 #include "enamel/device/tau/dynamics.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "bench/assembled_dynamics.hpp"

@@ -1,6 +1,9 @@
 // Properties of every mechanism: the shipped devices of all kinds, through the interface only.
 #include "enamel/device/mechanism.hpp"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 #include "support/catch.hpp"
 #include "support/mechanisms.hpp"
 #include "support/relative_error.hpp"

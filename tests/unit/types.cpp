@@ -1,5 +1,6 @@
 #include "enamel/core/types.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 #include <random>
