@@ -17,7 +17,7 @@ begin=$(date +%s)
 say() { printf '== [%2d:%02d] %s\n' $((($(date +%s) - begin) / 60)) $((($(date +%s) - begin) % 60)) "$1"; }
 
 install_packages
-install_step clang libclang-rt-dev llvm dpkg-dev file || exit 1
+install_step clang libclang-rt-dev llvm dpkg-dev file doxygen || exit 1
 
 folder=$(mktemp -d)
 running=

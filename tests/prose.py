@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Check the pages and the public headers against the project's rules of writing, and print what breaks one.
+"""Check pages, comments and messages against the project's rules of writing, and print what breaks one.
 
-  python3 tests/prose.py [FILE...]        (all pages and public headers)
+  python3 tests/prose.py [FILE...]        (all pages, and all C and C++ files)
 
 A block is a paragraph, an item of a list, a cell of a table or a comment. A sentence ends at the end of its block, or
 at ".", "!" or "?" before a space. A word is anything between spaces that has a letter or a digit; code between
 backticks is one word. Headings and code blocks are not sentences. Cells of tables count for the longest sentence, not
-for the mean. A number with a decimal point and three digits that count is on two pages only if one of them has a link to the
-other. Code is not looked at; whether links lead somewhere, unit.pages tests.
+for the mean. Texts in quotes are checked for phrases only, and not in tests. A number with a unit and three significant
+digits is on two pages only if one of them has a link to the other. unit.pages checks the links.
 """
 import pathlib
 import re
@@ -17,8 +17,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 LONGEST, MEAN = 30, 18  # words
 BANNED = {  # what readers stumbled over: what to write instead
     r'anew': 'again',
-    r'(?:is|are|was|be) none\b(?! of)|none that': 'name the thing: missing, invalid, zero',
-    r'stands?': 'is, appears, stays',
+    r'(?:is|are|was) none\b(?! of)|none that': 'name the thing: missing, invalid, zero',
+    r'stands?(?!-)': 'is, appears, stays',
     r'goes by': 'uses',
     r'of which': 'two sentences',
     r'thrice': 'three times',
@@ -31,6 +31,7 @@ BANNED = {  # what readers stumbled over: what to write instead
     r'at its best': 'name the condition',
     r'(?:is|are) no (?!longer|more|less|larger|smaller|faster|slower|worse|better)\w+': 'say what it is, or "is not"',
 }
+NUMBER = re.compile(r'(?<![\w.^-])\d[\d ]*(?:\.\d+)? (?:%|times|[munk]?[smNJWg]|kN/m|N/m|mJ|GB|MB|KB)(?![\w/])')
 OPENING = re.compile(r'(?:What|Who|Whoever|Whatever)\b[^?]*$')  # of a sentence that is not a question
 
 
@@ -75,6 +76,7 @@ def page_blocks(text):
 
 def header_blocks(text):
     """Yield (line, text, counts for the mean) of the comments."""
+    text = re.sub(r'/\*(.*?)\*/', lambda s: '\n'.join('// ' + line.strip(' *') for line in s[1].split('\n')), text, flags=re.S)
     block, start, column = [], 0, None
     for number, line in enumerate(text.split('\n') + [''], 1):
         found = re.match(r'(.*?)//[/!]?<?(?:\s|$)(.*)', re.sub(r'"(?:[^"\\]|\\.)*"', lambda s: s.group().replace('/', ' '), line))
@@ -92,6 +94,12 @@ def header_blocks(text):
             block.append(found.group(2).strip())
 
 
+def banned(place, text):
+    """Return the lines to print."""
+    return [f'{place}: "{match.group()}" ({instead}): {text}' for phrase, instead in BANNED.items()
+            if (match := re.search(rf'\b(?:{phrase})\b', text, re.IGNORECASE))]
+
+
 def check(path):
     """Return the lines to print."""
     text = path.read_text(encoding='utf-8')
@@ -104,11 +112,13 @@ def check(path):
                 lengths.append(length)
             if counts is not None and length > LONGEST:
                 problems.append(f'{name}:{line}: {length} words: {sentence}')
-            for phrase, instead in BANNED.items():
-                if match := re.search(rf'\b(?:{phrase})\b', sentence, re.IGNORECASE):
-                    problems.append(f'{name}:{line}: "{match.group()}" ({instead}): {sentence}')
+            problems += banned(f'{name}:{line}', sentence)
             if counts and OPENING.match(sentence):
                 problems.append(f'{name}:{line}: begins with "{sentence.split()[0]}" (begin with the subject): {sentence}')
+    if path.suffix != '.md' and name.parts[0] != 'tests':
+        for line, code in enumerate(text.split('\n'), 1):
+            for literal in re.findall(r'"((?:[^"\\]|\\.)*)"', re.sub(r'//.*', '', code)):
+                problems += banned(f'{name}:{line}', literal)
     if lengths and sum(lengths) > MEAN * len(lengths):
         problems.append(f'{name}: {sum(lengths) / len(lengths):.1f} words a sentence, {MEAN} are allowed')
     return problems
@@ -121,8 +131,8 @@ def numbers_on_two_pages(pages):
         text = page.read_text(encoding='utf-8')
         links = {(page.parent / link).resolve() for link in re.findall(r'\]\(([^)#]+)', text)}
         for line, block, _ in page_blocks(text):
-            for number in re.findall(r'(?<![\w.^-])\d+\.\d+(?![\w.])', code_to_word(block)):
-                if len(number.replace('.', '').strip('0')) < 3:
+            for number in NUMBER.findall(code_to_word(block)):
+                if len(re.sub(r'\D', '', number).strip('0')) < 3:
                     continue
                 for other, other_line, other_links in seen.setdefault(number, []):
                     if page != other and page not in other_links and other not in links:
@@ -135,8 +145,10 @@ def numbers_on_two_pages(pages):
 def main():
     files = [pathlib.Path(name).resolve() for name in sys.argv[1:]]
     if not files:
-        files = [path for path in sorted(ROOT.glob('*.md')) + sorted(ROOT.glob('[!b]*/**/*.md'))]
-        files += sorted((ROOT / 'lib/include').glob('**/*.h*'))
+        folders = [ROOT / folder for folder in ('lib', 'apps', 'plugins', 'data', 'tests')]
+        files = sorted(ROOT.glob('*.md')) + [path for folder in folders for path in sorted(folder.glob('**/*.md'))]
+        files += [path for folder in folders for path in sorted(folder.glob('**/*'))
+                  if path.suffix in ('.h', '.c', '.hpp', '.cpp', '.inl')]
     problems = [problem for path in files for problem in check(path)]
     problems += numbers_on_two_pages([path for path in files if path.suffix == '.md' and path.name != 'CHANGELOG.md'])
     print('\n'.join(problems) if problems else f'{len(files)} files: every sentence follows the rules')

@@ -1,6 +1,6 @@
 /* An FMI 3.0 unit as another tool might write it: in C, from the text of the standard, without this project's sources.
    Three motors push a body of 0.1 kg along x, y, z with a damping of 2 N s/m. The motion is exact for a constant force
-   over a step. Its variables are scalars in an unusual order; there are no parameters. */
+   over a step. Its variables are scalars in an unusual order, and it has no parameters. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
