@@ -131,7 +131,7 @@ double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque,
   held = std::min(held, mostHeld_);
   work -= kLinkError * std::abs(held - account.held);
   account.held = held;
-  const double force = std::hypot(wrench.head<3>().norm(), wrench.tail<3>().norm() / kLever);
+  const double force = std::sqrt(wrench.head<3>().squaredNorm() + wrench.tail<3>().squaredNorm() / (kLever * kLever));
   const double peak = std::max(force, s.peak);
   if (peak > kLeastForce) {
     if (damped_) work -= way.dot(o.damping * way) / elapsed;

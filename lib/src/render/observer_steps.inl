@@ -6,6 +6,7 @@ constexpr double kLeastForce = 0.1;                         // share of a step: 
 constexpr double kScaleWander = 0.03;                       // deviation of ln(mass) per root second
 constexpr double kMostScale = 0.5;                          // limit of ln(mass)
 constexpr double kForgotten = 4e-18, kLeastWeight = 1e-26;  // smallest weights: of a hypothesis, of the first one
+constexpr double kLeastLogarithm = -80.0;                   // of a likelihood
 
 // One number a mode, in registers of the level's width. Plain loops over so few numbers are unrolled before GCC sees
 // that they are vectors.
@@ -113,7 +114,7 @@ inline Wide growthOf(const Wide& step) noexcept { return 0.7 / kGrowthTime * ste
 // Return e^x for x <= 0, accurate to 1e-9, as 2^n times a polynomial.
 inline Wide exponentialOf(const Wide& exponent) noexcept {
   constexpr double kRound = 6755399441055744.0, kLn2 = 0.69314718055994531;  // 1.5 2^52 moves n into the last bits
-  const Wide x = larger(exponent, -700.0), shifted = x * (1.0 / kLn2) + kRound, f = x - (shifted - kRound) * kLn2;
+  const Wide x = larger(exponent, -600.0), shifted = x * (1.0 / kLn2) + kRound, f = x - (shifted - kRound) * kLn2;
   const Wide power = each([&](int i) {
     Bits bits;
     std::memcpy(&bits, &shifted.part[i], sizeof bits);
@@ -348,7 +349,7 @@ struct Steps {
         wide(h.g[i]) -= gain[i] * seenJump;
       }
     }
-    const Wide likelihood = exponentialOf(0.5 * (least - wide(square))) / wide(volume);
+    const Wide likelihood = exponentialOf(larger(0.5 * (least - wide(square)), kLeastLogarithm)) / wide(volume);
     double sum = 0.0;
     for (int p = 0; p < count; ++p) sum += s.weight[p] *= likelihood[p];
     for (int p = 0; p < count; ++p) s.weight[p] /= sum;

@@ -310,7 +310,7 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& frame, Ahead& a) const noexcept {
   const typename Observer::State& s = memory_.observer;
-  const double T = options_.period;
+  const double T = options_.period, scale = std::exp(s.scale);
   std::memcpy(a.x, s.mean, sizeof a.x);
   std::memset(a.sensitivity, 0, sizeof a.sensitivity);
   for (int d = delay_ - 1; d >= 0; --d) {
@@ -342,7 +342,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
     }
     a.wouldBe[k] = asked / a.stiffness[k];
     a.lead[k] = damping / a.stiffness[k];
-    a.inertia[k] = s.inertia[k] * std::exp(s.scale) + options_.drive.rotorInertia;
+    a.inertia[k] = s.inertia[k] * scale + options_.drive.rotorInertia;
   }
 }
 

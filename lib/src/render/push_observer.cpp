@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "render/observer_steps.hpp"
 
@@ -37,7 +38,9 @@ const ObserverSteps<kMech>& steps() noexcept {
 template <int kMech>
 PushObserver<kMech>::PushObserver(const ModeData& data) : data_(data), table_(modeTableOf<kMech>(data)), model_{} {
   (void)steps<kMech>();  // detects the processor now, not in a tick
-  model_.lagKept = std::exp(-lagOf(data.drive) * data.period);
+  // Zero if it is negligible: its products with covariances would be denormal numbers, which take a third of a tick.
+  const double kept = std::exp(-lagOf(data.drive) * data.period);
+  model_.lagKept = kept > std::numeric_limits<double>::epsilon() ? kept : 0.0;
   model_.growthKept = std::exp(-data.period / kGrowthTime);
   model_.growthSum = kGrowthTime * (1.0 - model_.growthKept);
 }
