@@ -1,4 +1,5 @@
 // The delta on many poses, on invalid joint vectors, and at the edge of its workspace.
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <iostream>
 

@@ -278,6 +278,16 @@ void addRenderer(TickBench& bench, const BenchRenderer& one) {
   addStep(bench, one, frames, faults);
 }
 
+// Time whole ticks of position control for motors with lag, and with rotors behind cables as in tau-detailed.toml.
+void addCables(TickBench& bench) {
+  PositionControlOptions options = positionControlFor(*bench.mechanism, kPeriod, 0, 0);
+  options.drive = {1000.0, 1.35e-4, 1000.0, 0.037, 0.004, false};
+  PositionControlRenderer servo(options);
+  int faults = 0;
+  const Percentiles whole = timeWhole(bench, servo, bench.guarded, faults);
+  bench.add("whole tick, position-control with cables", whole, faults, "ticks that were not ok", 5.0);
+}
+
 // Time recording between whole ticks. The file's thread discards the data. `error`: lost ticks.
 void addRecording(TickBench& bench, Renderer& renderer) {
   using Clock = std::chrono::steady_clock;
@@ -328,6 +338,7 @@ std::vector<Measurement> measureTick(double scale) {
   bench.add("nothing (the clock's own cost)", timeEach(ticks, [](int) {}), 0.0, "-");
   addTrack(bench);
   addRenderer(bench, {"position-control", &servo, "/enamel_position_control.so", {}});
+  addCables(bench);
   addRenderer(bench, {"hold", &hold, "/enamel_position_control.so", {{"mode", "hold"}}});
   addRenderer(bench, {"impedance", &spring, "/enamel_impedance.so", {}});
   addNumbersOfContacts(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}},

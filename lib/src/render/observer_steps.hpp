@@ -27,7 +27,7 @@ struct ObserverSteps {
   typename Observer::Moments (*moments)(const State& s, const States& row) noexcept;
 };
 
-extern const ObserverSteps<2> kRigidSteps, kRigidStepsAvx2, kRigidStepsAvx512;
-extern const ObserverSteps<4> kCableSteps, kCableStepsAvx2, kCableStepsAvx512;
+extern const ObserverSteps<2> kRigidSteps, kRigidStepsAvx2;
+extern const ObserverSteps<4> kCableSteps, kCableStepsAvx2;
 
 }  // namespace enamel

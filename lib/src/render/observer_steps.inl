@@ -10,9 +10,7 @@ constexpr double kLeastLogarithm = -80.0;                   // of a likelihood
 
 // One number a mode, in registers of the level's width. Plain loops over so few numbers are unrolled before GCC sees
 // that they are vectors.
-#if defined(__AVX512F__)
-constexpr int kWidth = 8;
-#elif defined(__AVX2__)
+#if defined(__AVX2__)
 constexpr int kWidth = 4;
 #else
 constexpr int kWidth = 2;
@@ -99,9 +97,7 @@ inline Wide larger(const Wide& a, const Wide& b) noexcept { return select(a > b,
 inline Wide smaller(const Wide& a, const Wide& b) noexcept { return select(a < b, a, b); }
 inline Wide sizeOf(const Wide& a) noexcept { return select(a < 0.0, -a, a); }
 inline Wide rootOf(const Wide& a) noexcept {
-#if defined(__AVX512F__)
-  return each([&](int i) { return _mm512_sqrt_pd(a.part[i]); });
-#elif defined(__AVX2__)
+#if defined(__AVX2__)
   return each([&](int i) { return _mm256_sqrt_pd(a.part[i]); });
 #else
   return each([&](int i) { return Part{std::sqrt(a.part[i][0]), std::sqrt(a.part[i][1])}; });

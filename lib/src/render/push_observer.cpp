@@ -12,25 +12,21 @@ namespace {
 
 constexpr double kRefreshed = 2e-3;  // change of ln(inertia) that updates the model
 
-template <bool isFirst, typename First, typename Second>
-const auto& pick(const First& first, const Second& second) noexcept {
-  if constexpr (isFirst)
-    return first;
-  else
-    return second;
-}
-
 template <int kMech>
 const ObserverSteps<kMech>& steps() noexcept {
-  static const ObserverSteps<kMech>& chosen = []() -> const ObserverSteps<kMech>& {
-    constexpr bool isRigid = kMech == 2;
 #ifdef ENAMEL_X86_KERNELS
-    if (__builtin_cpu_supports("avx512f")) return pick<isRigid>(kRigidStepsAvx512, kCableStepsAvx512);
-    if (__builtin_cpu_supports("avx2")) return pick<isRigid>(kRigidStepsAvx2, kCableStepsAvx2);
+  static const bool wide = __builtin_cpu_supports("avx2");
+  if (wide) {
+    if constexpr (kMech == 2)
+      return kRigidStepsAvx2;
+    else
+      return kCableStepsAvx2;
+  }
 #endif
-    return pick<isRigid>(kRigidSteps, kCableSteps);
-  }();
-  return chosen;
+  if constexpr (kMech == 2)
+    return kRigidSteps;
+  else
+    return kCableSteps;
 }
 
 }  // namespace
