@@ -353,6 +353,29 @@ TEST_CASE("a surface that is lowered is followed, one that vanishes has no force
   CHECK(output.mode == RenderMode::free);
 }
 
+TEST_CASE("a soft surface that vanishes while it is pressed does not push harder", "[position_control]") {
+  const auto device = tau();
+  PositionControlRenderer servo(optionsFor(*device, 0));
+  VirtualLoop loop(*device, *device, servo, loopWith(wallOf(2000.0, 0.0, 0.0), 0));
+  TickRecord tick;
+  for (int i = 0; i < 1000; ++i) REQUIRE(loop.tick(Hand{{0.0, 0.0, -4.0}}, tick) == Status::ok);
+  const auto forceOf = [&](const TickFrame& frame, const JointVector& torque) {
+    return wrenchOf(frame.kinematics, torque - frame.kinematics.gravity)[2];
+  };
+  TickFrame frame = loop.frame();
+  const double pressed = forceOf(frame, tick.command);
+  REQUIRE(pressed == Approx(4.0).epsilon(0.2));
+  frame.contacts.count = 0;
+  REQUIRE(fillContactRows(frame) == Status::ok);
+  TickOutput output;
+  for (int i = 0; i < 20; ++i) {
+    frame.time += kPeriod;
+    REQUIRE(servo.step(frame, output) == Status::ok);
+    INFO("tick " << i);
+    CHECK(forceOf(frame, output.torque) < 1.2 * pressed);
+  }
+}
+
 TEST_CASE("walls that face each other too near by micrometres do not hold the tool", "[position_control]") {
   const auto device = tau();
   Scene scene;

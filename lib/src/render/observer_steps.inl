@@ -199,6 +199,7 @@ struct Steps {
       advance(m, s.part[p].g);
       s.age[p] += 1.0;
     }
+    const double jumps = kJumpRate * data.period;
     for (int b = 0; b < kBins; ++b) {
       Hypothesis& h = s.part[count + b];
       std::memcpy(h.x, s.part[0].x, sizeof h.x);
@@ -206,10 +207,10 @@ struct Steps {
       std::memcpy(h.g, m.value + Table::kOnsetAt + b * kMech, kMech * sizeof h.g[0]);
       wide(h.g[kPush]) = 1.0;
       wide(h.v) = step * step;
-      s.weight[count + b] = kJumpRate * 1e-3 / kBins * s.weight[0];
+      s.weight[count + b] = jumps / kBins * s.weight[0];
       s.age[count + b] = 0.0;
     }
-    s.weight[0] *= 1.0 - kJumpRate * 1e-3;
+    s.weight[0] *= 1.0 - jumps;
     s.count = count + kBins;
   }
 

@@ -72,6 +72,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
     JointRow row{};
     double gap = 0.0;        // at present, m
     double speed = 0.0;      // of the obstacle along the normal, m/s
+    double softness = 0.0;   // 1 / stiffness of the material, m/N
     double name = 0.0;       // identifies the wall from tick to tick
     double retreated = 0.0;  // m: of a wall that has vanished
     double contact = -1.0;   // index in the frame; -1: vanished
@@ -116,7 +117,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void predict(const TickFrame& frame, Ahead& a) const noexcept;
   int collect(const TickFrame& frame, const Ahead& a, Wall* walls) noexcept;
   double complianceOf(const Ahead& a, const Lane& row) const noexcept;
-  int placeTargets(const TickFrame& frame, const Ahead& a, Wall* walls, int count, Target* targets) noexcept;
+  int placeTargets(const Ahead& a, Wall* walls, int count, Target* targets) noexcept;
   void project(const Ahead& a, const Target* targets, int count, double* force) noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
@@ -380,6 +381,7 @@ int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame
       if (!(frame.maxTorque[j] > 0.0)) w.row[j] = 0.0;
     w.gap = contact.gap;
     w.speed = contact.normal.dot(contact.obstacleVelocity);
+    w.softness = 1.0 / contact.material.stiffness;
     w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
     w.contact = c;
     double was = 0.0;  // a new wall begins at the tool
@@ -414,8 +416,8 @@ int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame
 }
 
 template <int kMech>
-int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& frame, const Ahead& a, Wall* walls,
-                                                               int count, Target* targets) noexcept {
+int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const Ahead& a, Wall* walls, int count,
+                                                               Target* targets) noexcept {
   int placed = 0;
   for (int i = 0; i < count; ++i) {
     Wall& w = walls[i];
@@ -438,8 +440,7 @@ int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& 
     if (w.holds == 0.0) continue;
     t.gap = gap - w.speed * lead / square;
     t.size = std::sqrt(square);
-    const int contact = static_cast<int>(w.contact);
-    t.compliance = contact >= 0 ? 1.0 / (frame.contacts.contacts[contact].material.stiffness * square) : 0.0;
+    t.compliance = w.softness / square;
     t.wall = i;
     ++placed;
   }
@@ -666,7 +667,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   Wall walls[2 * kMaxContacts];
   Target targets[2 * kMaxContacts];
   double force[kMaxWalls] = {};
-  const int count = collect(frame, a, walls), placed = placeTargets(frame, a, walls, count, targets);
+  const int count = collect(frame, a, walls), placed = placeTargets(a, walls, count, targets);
   m.walls = count;
   std::copy_n(walls, count, m.wall.begin());
   if (placed > 0) project(a, targets, placed, force);
