@@ -209,6 +209,18 @@ std::string closed(Recorder& recorder, const std::string& file) {
   return file + (recorded.lost > 0 ? fmt::format(" ({} ticks are lost)", recorded.lost) : "");
 }
 
+// Return a hint if the motors cannot hold the push; empty if they can.
+std::string overloadHint(const PushTask& task) {
+  const HandModel& hand = task.setup.hand;
+  Kinematics there;
+  if (task.plant->reach(task.setup.start, Vec6::Zero(), false, there) != Status::ok) return "";
+  const Vec3 grip = task.setup.start.position + task.setup.start.rotation * hand.grip;
+  const double most = largestForce(there, task.plant->limits().effort, grip, hand.normal);
+  if (std::max(hand.force, hand.preload) < most) return "";
+  return fmt::format("; the motors cannot hold the push of {:.3g} N, their largest force is {:.3g} N: reduce --force{}",
+                     std::max(hand.force, hand.preload), most, hand.preload < most ? "" : " and --preload");
+}
+
 // Throws Error: the reason why the push ended too early.
 void pushWith(const RendererSource& source, PushTask& task, PushResults& results) {
   const PushOptions& options = task.options;
@@ -250,12 +262,12 @@ void pushWith(const RendererSource& source, PushTask& task, PushResults& results
   const double end = static_cast<double>(result.ticks) * task.setup.period;
   const PushMetrics metrics = collector.metrics();
   if (result.status != Status::ok && result.status != Status::stopped)
-    throw Error(fmt::format("the device left its workspace at {:.6g} s ({}): its pose is {}", end, wayOut.text(),
-                            toString(result.status)));
+    throw Error(fmt::format("the device left its workspace at {:.6g} s ({}): its pose is {}{}", end, wayOut.text(),
+                            toString(result.status), overloadHint(task)));
   results.outcomes.push_back({name, library == nullptr && (name == kHold || name == kImpedance), metrics});
   if (file) results.files.push_back(outputFor(options, options.output, name));
   if (result.status == Status::stopped)
-    throw Error(fmt::format("stopped by the guard at {} s: {}", end, toString(result.guard)));
+    throw Error(fmt::format("stopped by the guard at {} s: {}{}", end, toString(result.guard), overloadHint(task)));
   if (metrics.verdict == FirstImpactVerdict::unstable)
     throw Error("the loop is unstable: the motors saturate, or the tool oscillates and does not stop");
 }

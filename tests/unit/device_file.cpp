@@ -194,6 +194,8 @@ TEST_CASE("a device file says its kind", "[device_file]") {
   CHECK(std::holds_alternative<TauParameters>(parseDevice(edited("name =", "kind = \"tau\"\nname ="), "f")));
   CHECK_THROWS_WITH(parseDevice(edited("name =", "kind = \"stewart\"\nname ="), "device.toml"),
                     "device.toml:1: kind: is \"stewart\", must be \"tau\", \"delta\" or \"cartesian\"");
+  CHECK_THROWS_WITH(loadDevice(ENAMEL_SOURCE_DIR "/data/scenes/molar.toml"),
+                    test::ContainsSubstring(": obstacle: this is a scene file, a device file is needed"));
   CHECK_THROWS_WITH(parseDevice(edited("name =", "kind = 3\nname ="), "device.toml"),
                     "device.toml:1: kind: is an integer, must be a string");
   CHECK_THROWS_WITH(parseDevice(edited("name =", "kind = \"delta\"\nname ="), "device.toml"),

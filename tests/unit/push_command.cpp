@@ -374,6 +374,12 @@ TEST_CASE("push: what one renderer reached outlives the failure of another", "[p
   CHECK(lost.status == 1);
   CHECK_THAT(lost.output,
              ContainsSubstring("impedance: the device left its workspace at ") && ContainsSubstring("K_z1"));
+  CHECK_THAT(lost.output, !ContainsSubstring("cannot hold the push"));
+  const auto weak =
+      run("push --encoders --force 8 --preload 1 --device '" + test::deviceFile("cartesian-3.toml") + "'");
+  CHECK(weak.status == 1);
+  CHECK_THAT(weak.output, ContainsSubstring("the motors cannot hold the push of 8 N, their largest force is 3.3 N: "
+                                            "reduce --force"));
   // It slips off a tooth's slope, which a spring does not hold.
   const auto slid = run(push("--renderer impedance --scene '" ENAMEL_SOURCE_DIR "/data/scenes/molar.toml'"));
   CHECK(slid.status == 1);

@@ -185,6 +185,8 @@ TEST_CASE("scene files: solids and burs", "[scene]") {
 
 TEST_CASE("scene files: what is refused, and how", "[scene]") {
   requireRefused("name = \"test\"\n", "", "scene.toml:1: name: is missing");
+  requireRefused("name = \"test\"", "platform = {}",
+                 "scene.toml:1: platform: this is a device file, a scene file is needed");
   requireRefused("name = \"test\"", "name = 3", "scene.toml:1: name: is an integer, must be a string");
   requireRefused("start = [0.0, 0.0, 0.01]", "start = [0.0, 0.01]",
                  "scene.toml:2: start: has 2 elements, must be a list of 3 numbers");

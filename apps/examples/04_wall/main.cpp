@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
       measurement.time = (i + 1) * kPeriod;
       measurement.q = position;  // of a Cartesian device the joints are x, y and z
       measurement.rates = speed;
-      const Status status = tick(measurement, command);  // no allocation, no lock, no exception; see `command` always
+      const Status status = tick(measurement, command);  // always send `command`, it is safe at every status
       if (status != Status::ok) throw Error(std::string("the guard stopped: ") + toString(tick.frame().reason));
 
       // Replace this by your device: 45 g, moved by hand and motors in steps of 0.1 ms.

@@ -295,6 +295,7 @@ std::size_t offsetOf(std::string_view text, const toml::source_position& positio
 
 SceneFile parseScene(std::string_view text, const std::string& file, SpareCapacity spare) {
   TomlTable root = parseToml(text, file);
+  if (root.has("platform")) root.fail("platform", "this is a device file, a scene file is needed");
   SceneFile result;
   result.name = root.text("name");
   if (result.name.empty()) root.fail("name", "is empty");

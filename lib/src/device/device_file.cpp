@@ -43,6 +43,7 @@ struct AddMass {
 
 DeviceParameters parseDevice(std::string_view text, const std::string& file) {
   TomlTable root = parseToml(text, file);
+  if (root.has("obstacle")) root.fail("obstacle", "this is a scene file, a device file is needed");
   const std::string kind = kindOf(root);
   if (kind == "tau") return readTau(root);
   if (kind == "delta") return readDelta(root);
