@@ -93,7 +93,7 @@ double tryMinimum(void* context, std::int32_t slot, double reach) {
   Minimum minimum;
   minimum.point = vec(c.point);
   minimum.distance = std::sqrt(c.squared);
-  minimum.normal = (s.p - minimum.point) / minimum.distance;
+  minimum.normal = (s.p - minimum.point).normalized();  // of a mesh of 50 km, rounding differs from the distance
   minimum.triangle = triangle.index;
   setFeature(c.feature, minimum);
   if (isMinimum(s, triangle, c)) keepMinimum(minimum, *s.minima);

@@ -196,7 +196,7 @@ class PartOnMesh {
       there.featureIndex = between_.featureIndex;
       there.point = between_.point;
       there.distance = between_.distance;
-      there.normal = (middle.point - between_.point) / between_.distance;
+      there.normal = (middle.point - between_.point).normalized();
     } else {
       const double found = (middle.point - between_.point).norm() + kNearly * reach_;
       there = signedDistance(data_, middle.point, pointOf(cache_, 2), std::min(found, justBeyond()), out_.isOutside);
