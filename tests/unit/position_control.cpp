@@ -429,6 +429,33 @@ TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[po
   }
 }
 
+TEST_CASE("the servo survives a state in which any one number is wrong", "[position_control]") {
+  const auto device = tau();
+  PositionControlRenderer servo(optionsFor(*device, 0));
+  VirtualLoop loop(*device, *device, servo, loopWith(wallOf(HUGE_VAL, 0.2, 0.2), 0));
+  TickRecord tick;
+  for (int i = 0; i < 30; ++i) REQUIRE(loop.tick(Hand{{0.3, 0.0, i < 28 ? -2.0 : -9.0}}, tick) == Status::ok);
+  std::vector<double> good(servo.stateSize() / sizeof(double));
+  servo.saveState(good.data());
+  const TickFrame begin = loop.frame();
+  const JointVector& limits = device->limits().effort;
+  for (std::size_t at = 0; at < good.size(); ++at)
+    for (const double wrong : {0.0, -3.0, 5e-324, 1e300}) {
+      std::vector<double> state = good;
+      state[at] = wrong;
+      servo.loadState(state.data());
+      TickFrame frame = begin;
+      TickOutput output;
+      for (int i = 0; i < 3; ++i) {
+        frame.time += kPeriod;
+        const Status status = servo.step(frame, output);
+        INFO("number " << at << " is " << wrong << ", tick " << i);
+        REQUIRE(output.torque.allFinite());
+        if (status == Status::ok) REQUIRE((output.torque.cwiseAbs() - limits).maxCoeff() <= 0.0);
+      }
+    }
+}
+
 TEST_CASE("the servo's options are checked", "[position_control]") {
   const auto device = tau();
   const PositionControlOptions good = optionsFor(*device, 0);

@@ -7,7 +7,7 @@ constexpr double kLeastForce = 0.1;                         // share of a step: 
 constexpr double kScaleWander = 0.03;                       // deviation of ln(mass) per root second
 constexpr double kMostScale = 0.5;                          // limit of ln(mass)
 constexpr double kForgotten = 4e-18, kLeastWeight = 1e-26;  // smallest weights: of a hypothesis, of the first one
-constexpr double kLeastLogarithm = -80.0;                   // of a likelihood
+constexpr double kLeastLogarithm = -200.0;                  // of a likelihood
 
 // Standard deviation of the growth of a push that begins with a step.
 inline Wide growthOf(const Wide& step) noexcept { return 0.7 / kGrowthTime * step; }

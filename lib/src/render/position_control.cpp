@@ -147,14 +147,11 @@ PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControl
 
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
-  const auto within = [](double count, int low, int high) { return count >= low && count <= high; };
-  const typename Observer::State& s = memory_.observer;
-  if (!within(memory_.walls, 0, 2 * kMaxContacts) ||
-      (memory_.started != 0.0 && !(s.modes == joints_ && within(s.count, 1, Observer::kMost - kBins)))) {
+  const bool isSound = memory_.walls >= 0 && memory_.walls <= 2 * kMaxContacts;
+  if (!isSound || (memory_.started != 0.0 && !observer_.accepts(memory_.observer, joints_)))
     reset();
-    return;
-  }
-  observer_.reload(memory_.observer);
+  else if (memory_.started != 0.0)
+    observer_.reload(memory_.observer);
 }
 
 template <int kMech>
@@ -399,7 +396,7 @@ int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame
     Wall w = m.wall[i];
     if (w.contact >= 0.0) continue;
     const Lane row = toModes(w.row);
-    const double soft = complianceOf(a, row);
+    const double soft = complianceOf(a, row) + w.softness;
     double rate = 0.0, wouldBe = w.gap;
     for (int mode = 0; mode < joints_; ++mode) {
       rate += row[mode] * a.x[kLink + 1][mode];
@@ -664,6 +661,9 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
 
   Ahead a;
   predict(frame, a);
+  double sum = 0.0;
+  for (int k = 0; k < n; ++k) sum += a.next[kLink][k] + a.wouldBe[k];
+  if (!std::isfinite(sum)) return Status::notFinite;
   Wall walls[2 * kMaxContacts];
   Target targets[2 * kMaxContacts];
   double force[kMaxWalls] = {};

@@ -62,7 +62,8 @@ void PushObserver<kMech>::start(State& s, int modes, const Lane& reading) noexce
     s.inertia[k] = s.readingVariance[k] = s.readingPrecision[k] = s.largestStep[k] = 1.0;
     s.step[k] = s.tremor[k] = 0.0;
   }
-  for (int k = 0; k < kLanes; ++k) s.used[k] = s.usedScale[k] = 0.0;
+  for (int k = 0; k < kLanes; ++k) s.used[k] = k < modes ? 0.0 : 1.0;
+  s.usedScale = Lane{};
   refresh(s);
   s.part[0] = Hypothesis{};
   std::memset(s.P, 0, sizeof s.P);
@@ -120,6 +121,14 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
     }
     table_->read(std::log(wanted), k, model_.value, model_.slope);
   }
+}
+
+template <int kMech>
+bool PushObserver<kMech>::accepts(const State& s, int modes) const noexcept {
+  bool isSound = s.modes == modes && s.count >= 1 && s.count <= kMost - kBins;
+  for (int p = 0; isSound && p < static_cast<int>(s.count); ++p) isSound = s.weight[p] > 0.0 && s.age[p] == 0.0;
+  for (int k = 0; isSound && k < modes; ++k) isSound = s.readingPrecision[k] > 0.0;
+  return isSound;
 }
 
 template <int kMech>

@@ -74,6 +74,8 @@ class PushObserver {
   /// Update the model to the state's inertias and scale. reload(): restore the exact model of a saved state.
   void refresh(State& s) noexcept;
   void reload(const State& s) noexcept;
+  /// Return whether a saved state of so many modes can be continued.
+  bool accepts(const State& s, int modes) const noexcept;
   /// Rotate modes i and j into each other.
   void rotate(State& s, int i, int j, double cosine, double sine) const noexcept;
 
