@@ -42,6 +42,7 @@ PYBIND11_MODULE(_enamel, m) {
   namespace py = pybind11;
   using namespace enamel;
   python::refuseNumpy2();
+  m.attr("_pybind11") = py::make_tuple(PYBIND11_VERSION_MAJOR, PYBIND11_VERSION_MINOR);
   m.doc() = "Stiff contact on haptic devices. SI units; W: x right, y up, z from the wall towards the user.";
   // The translator that is registered last is tried first.
   const auto error = py::register_exception<Error>(m, "Error", PyExc_RuntimeError);
