@@ -133,7 +133,7 @@ struct SolidQuery {
     answer.distance = side * solid.cell_ * found.distance;
     answer.parameter = found.parameter;
     const Vec3 gradient = found.gradient.normalized(), way = side * (axisAt(found.parameter) - found.point);
-    answer.normal = found.distance > kClear ? Vec3(way / found.distance) : gradient;
+    answer.normal = found.distance > kClear ? Vec3(way.normalized()) : gradient;
     answer.layer = solid.layerAt(answer.point - 0.5 * solid.cell_ * gradient);
     return answer;
   }

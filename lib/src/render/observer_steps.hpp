@@ -21,7 +21,7 @@ struct ObserverSteps {
   void (*carry)(const Model& model, const Lane& command, const Lane& matters, double scale, States& x) noexcept;
   void (*predict)(const ModeData& data, const Model& model, const Lane& command, State& s) noexcept;
   void (*weigh)(const Lane& innovation, const Lane& expected, const Lane& variance, const Lane& precision,
-                const Lane& largest, Evidence& seen) noexcept;
+                const Lane& largest, Evidence& seen) noexcept;  // a part of correct(), for its test
   void (*correct)(int read, const Lane& reading, State& s) noexcept;
   void (*merge)(State& s) noexcept;
   typename Observer::Moments (*moments)(const State& s, const States& row) noexcept;

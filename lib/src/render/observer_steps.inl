@@ -131,15 +131,15 @@ struct Steps {
   // Weigh a reading that differs from its prediction by `innovation`; the prediction has the variance `expected`. d^2
   // is the variance of all Gaussian parts, and z = (true - expected) / d is within [l, u]. The result has the moments
   // of this truncated Gaussian, computed from the end that is nearer to the Gaussian's mean. `precision` is 1 / the
-  // reading's standard deviation.
+  // reading's standard deviation: with it, products of volumes over the modes stay near 1.
   static void weigh(const Lane& innovation, const Lane& expected, const Lane& variance, const Lane& precision,
                     const Lane& largest, Evidence& seen) noexcept {
     constexpr double kNarrow = 0.1, kFar = 30.0, kPerRootTwoPi = 0.3989422804014327, kUniform = 1.0 / 12.0;
     const Wide e = wide(innovation), step = wide(largest), all = wide(expected) + wide(variance);
     const Wide gaussian = all - kUniform * step * step, perD = 1.0 / rootOf(gaussian), width = step * perD;
-    const Wide centre = sizeOf(e) * perD, l = centre - 0.5 * width, u = centre + 0.5 * width;
+    const Wide centre = magnitudeOf(e) * perD, l = centre - 0.5 * width, u = centre + 0.5 * width;
     const Wide atL = exponentialOf(-0.5 * l * l) * kPerRootTwoPi, ratio = exponentialOf(-centre * width);
-    const Wide tailL = tailOverDensity(sizeOf(l)), tailU = ratio * tailOverDensity(sizeOf(u));
+    const Wide tailL = tailOverDensity(magnitudeOf(l)), tailU = ratio * tailOverDensity(magnitudeOf(u));
     const Mask isOutside = l > 0.0;
     // Share inside / density at l.
     const Wide inside = select(isOutside, tailL - tailU, 1.0 - atL * (tailL + tailU)), perInside = 1.0 / inside;
@@ -170,14 +170,14 @@ struct Steps {
     const int count = static_cast<int>(s.count);
     // Process noise. The model error scales with the force that accelerates the device. With cables it also scales with
     // the force itself, which keeps the controller's margin to a wrong resonance (loop transfer recovery).
-    const Wide push = wide(s.mean[kPush]), step = wide(s.step), net = sizeOf(wide(command) + push);
+    const Wide push = wide(s.mean[kPush]), step = wide(s.step), net = magnitudeOf(wide(command) + push);
     Wide force = larger(net, kLeastForce * step);
     // Averaging readings does not remove the rounding of encoders. So the mass counts as known if its uncertainty moves
     // the mode by less than the rounding in a tick.
     const Wide moves = 0.5 * data.period * data.period * net / (wide(s.used) + data.drive.rotorInertia);
     Lane matters;
     wide(matters) = select(moves * moves * s.scaleVariance > wide(s.readingVariance), 1.0, 0.0);
-    if (kMech == 4) force = larger(force, larger(sizeOf(wide(command)), sizeOf(push)));
+    if (kMech == 4) force = larger(force, larger(magnitudeOf(wide(command)), magnitudeOf(push)));
     const double lack2 = data.modelError * data.modelError, disturbance = data.drive.disturbance;
     const Wide lacks = lack2 * force * force, rotor = lacks + disturbance * disturbance;
     const Wide tremor = wide(s.tremor) * wide(s.tremor), link = kMech == 4 ? tremor + lacks : tremor;
@@ -216,10 +216,12 @@ struct Steps {
 
   // Correct every hypothesis and its weight by a reading of state `read`.
   static void correct(int read, const Lane& reading, State& s) noexcept {
-    static_assert(kMost <= kLanes, "a number a hypothesis is a vector, too");
+    static_assert(kMost <= kLanes, "one number for each hypothesis fits into a lane");
     const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
-    // First all readings are weighed: none waits for another.
+    // Weigh all readings first, so that the processor can overlap them.
     Evidence seen[kMost];
+    Lane precision;
+    wide(precision) = 1.0 / rootOf(wide(s.readingVariance));
     double square[kLanes] = {}, volume[kLanes], least = 1e300;
     wide(volume) = 1.0;
     for (int p = 0; p < count; ++p) {
@@ -227,7 +229,7 @@ struct Steps {
       Lane e{}, expected;
       for (int k = 0; k < modes; ++k) e[k] = reading[k] - h.x[read][k];
       wide(expected) = wide(s.P[at(read, read)]) + wide(h.v) * wide(h.g[read]) * wide(h.g[read]);
-      weigh(e, expected, s.readingVariance, s.readingPrecision, s.largestStep, seen[p]);
+      weigh(e, expected, s.readingVariance, precision, s.largestStep, seen[p]);
       for (int k = 0; k < modes; ++k) {
         square[p] += seen[p].square[k];
         volume[p] *= seen[p].volume[k];
@@ -260,33 +262,27 @@ struct Steps {
   // End old hypotheses, and sum up: mean, weights, scale.
   static void merge(State& s) noexcept {
     const int count = static_cast<int>(s.count);
-    const auto ends = [&](int p) { return p == 0 || s.age[p] >= 1.0; };
-    int ending[kMost], endings = 0;
+    int old = 1;  // the first hypothesis, and those after it that have seen two samples
+    while (old < count && s.age[old] >= 1.0) ++old;
     double total = 0.0;
-    for (int p = 0; p < count; ++p) {
-      if (!ends(p)) continue;
-      ending[endings++] = p;
-      total += s.weight[p];
-    }
-    if (endings > 1 && total > 0.0) {
+    for (int p = 0; p < old; ++p) total += s.weight[p];
+    if (old > 1 && total > 0.0) {
       // P of the mixture: each state's distance from the mean, and its jump.
       Wide mean[kStates] = {}, away[kMost][kStates], size[kMost], jumped = {};
       double share[kMost];
-      for (int e = 0; e < endings; ++e) {
-        share[e] = s.weight[ending[e]] / total;
-        size[e] = share[e] * wide(s.part[ending[e]].v);
-        if (e > 0) jumped += share[e];
-        for (int i = 0; i < kStates; ++i) mean[i] += share[e] * wide(s.part[ending[e]].x[i]);
+      for (int p = 0; p < old; ++p) {
+        share[p] = s.weight[p] / total;
+        size[p] = share[p] * wide(s.part[p].v);
+        if (p > 0) jumped += share[p];
+        for (int i = 0; i < kStates; ++i) mean[i] += share[p] * wide(s.part[p].x[i]);
       }
-      for (int e = 0; e < endings; ++e)
-        for (int i = 0; i < kStates; ++i) away[e][i] = wide(s.part[ending[e]].x[i]) - mean[i];
+      for (int p = 0; p < old; ++p)
+        for (int i = 0; i < kStates; ++i) away[p][i] = wide(s.part[p].x[i]) - mean[i];
       for (int i = 0, n = 0; i < kStates; ++i)
         for (int j = 0; j <= i; ++j, ++n) {
           Wide sum = wide(s.P[n]) + share[0] * away[0][i] * away[0][j];
-          for (int e = 1; e < endings; ++e) {
-            const States& g = s.part[ending[e]].g;
-            sum += share[e] * away[e][i] * away[e][j] + size[e] * wide(g[i]) * wide(g[j]);
-          }
+          for (int p = 1; p < old; ++p)
+            sum += share[p] * away[p][i] * away[p][j] + size[p] * wide(s.part[p].g[i]) * wide(s.part[p].g[j]);
           wide(s.P[n]) = sum;
         }
       const Wide growth = growthOf(wide(s.step));
@@ -295,13 +291,11 @@ struct Steps {
     }
     s.weight[0] = std::max(total, kLeastWeight);
     int kept = 1;
-    for (int p = 1; p < count; ++p) {
-      if (ends(p) || !(s.weight[p] > kForgotten)) continue;
-      if (p != kept) {
-        s.part[kept] = s.part[p];
-        s.weight[kept] = s.weight[p];
-        s.age[kept] = s.age[p];
-      }
+    for (int p = old; p < count; ++p) {
+      if (!(s.weight[p] > kForgotten)) continue;
+      s.part[kept] = s.part[p];
+      s.weight[kept] = s.weight[p];
+      s.age[kept] = s.age[p];
       ++kept;
     }
     s.count = kept;

@@ -48,7 +48,6 @@ void PushObserver<kMech>::describe(State& s, int k, double inertia, double step,
   s.step[k] = step;
   s.tremor[k] = tremor;
   s.readingVariance[k] = reading.variance;
-  s.readingPrecision[k] = 1.0 / std::sqrt(reading.variance);
   s.largestStep[k] = reading.largest;
 }
 
@@ -59,7 +58,7 @@ void PushObserver<kMech>::start(State& s, int modes, const Lane& reading) noexce
   s.scale = 0.0;
   s.scaleVariance = kScalePrior * kScalePrior;
   for (int k = modes; k < kLanes; ++k) {
-    s.inertia[k] = s.readingVariance[k] = s.readingPrecision[k] = s.largestStep[k] = 1.0;
+    s.inertia[k] = s.readingVariance[k] = s.largestStep[k] = 1.0;
     s.step[k] = s.tremor[k] = 0.0;
   }
   for (int k = 0; k < kLanes; ++k) s.used[k] = k < modes ? 0.0 : 1.0;
@@ -127,7 +126,6 @@ template <int kMech>
 bool PushObserver<kMech>::accepts(const State& s, int modes) const noexcept {
   bool isSound = s.modes == modes && s.count >= 1 && s.count <= kMost - kBins;
   for (int p = 0; isSound && p < static_cast<int>(s.count); ++p) isSound = s.weight[p] > 0.0 && s.age[p] == 0.0;
-  for (int k = 0; isSound && k < modes; ++k) isSound = s.readingPrecision[k] > 0.0;
   return isSound;
 }
 

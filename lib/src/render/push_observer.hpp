@@ -45,7 +45,7 @@ class PushObserver {
     Lane inertia, used;  // of the links' modes in the model; inertia of the numbers in use
     Lane usedScale;      // ln(mass / model's) of the numbers in use
     Lane step, tremor;   // standard deviations of the hand's force in the modes
-    Lane readingVariance, readingPrecision, largestStep;  // precision: 1 / standard deviation
+    Lane readingVariance, largestStep;
     double count, modes;
     double scale, scaleVariance;  // ln(mass / model's)
   };

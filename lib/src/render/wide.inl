@@ -85,7 +85,7 @@ inline Wide wide(const Lane& lane) noexcept { return Wide(lane.data()); }
 
 inline Wide larger(const Wide& a, const Wide& b) noexcept { return select(a > b, a, b); }
 inline Wide smaller(const Wide& a, const Wide& b) noexcept { return select(a < b, a, b); }
-inline Wide sizeOf(const Wide& a) noexcept { return select(a < 0.0, -a, a); }
+inline Wide magnitudeOf(const Wide& a) noexcept { return select(a < 0.0, -a, a); }
 inline Wide rootOf(const Wide& a) noexcept {
 #if defined(__AVX2__)
   return each([&](int i) { return _mm256_sqrt_pd(a.part[i]); });
