@@ -32,7 +32,7 @@ set(same "(= ${PROJECT_VERSION})")
 enamel_package(enamel-data "Devices, scenes, meshes and servos of Enamel")
 enamel_package(enamel-doc "Pages and examples of Enamel")
 enamel_package(enamel-dev "Stiff contact on haptic devices: headers, static libraries, CMake and pkg-config files"
-  DEPENDS "enamel-data ${same}, libeigen3-dev" RECOMMENDS "enamel-doc, libtbb-dev, libopenmesh-dev, libsimbody-dev")
+  DEPENDS "enamel-data ${same}, libeigen3-dev" RECOMMENDS "enamel-doc, libopenmesh-dev, libsimbody-dev")
 if(ENAMEL_BUILD_APPS)
   enamel_package(enamel "Stiff contact on haptic devices: the tool and the plugins" SHARED_LIBRARIES
     DEPENDS "enamel-data ${same}")
@@ -65,4 +65,4 @@ Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ @libraries@ @flags@
 endfunction()
 enamel_pkg_config(core "control;device;core" "eigen3" "")
 enamel_pkg_config(collision "runtime;renderers;plugin;sim;render;collision" "enamel-core" "-pthread -ldl")
-enamel_pkg_config(study "study" "enamel-collision, tbb" "")
+enamel_pkg_config(study "study" "enamel-collision" "")

@@ -1,6 +1,6 @@
 # Sourced by demo.sh and check.sh: installs missing Debian packages and prints their names.
 
-packages="g++ cmake ninja-build libeigen3-dev libopenmesh-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtbb-dev catch2"
+packages="g++ cmake ninja-build libeigen3-dev libopenmesh-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev catch2"
 # The viewer: everything else can be built without these. VTK is a download of 400 MB, and therefore a separate step.
 viewer_packages="libglfw3-dev libglm-dev libglew-dev libimgui-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri \
 pkg-config fonts-roboto-unhinted xvfb"

@@ -1,4 +1,4 @@
-// Uses only the component core: designs a servo for a shipped delta, without oneTBB on the machine.
+// Uses only the component core: designs a servo for a shipped delta.
 #include <cstdio>
 
 #include "enamel/control/device_plant.hpp"

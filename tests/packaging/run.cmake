@@ -33,7 +33,7 @@ else()
   message(STATUS "dpkg-dev is not installed: no packages are made")
   run(${CMAKE_COMMAND} --install ${BUILD_DIR} --config ${CONFIG} --prefix ${prefix})
 endif()
-set(options -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON -DCORE_ONLY=ON)
+set(options -DCORE_ONLY=ON)
 build_outside(core ${C_COMPILER} ${CXX_COMPILER} core)
 run(${WORK_DIR}/core/core)
 set(options -DCMAKE_DISABLE_FIND_PACKAGE_OpenMesh=ON)  # only needed for openmesh.hpp

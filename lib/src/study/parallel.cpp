@@ -1,63 +1,105 @@
 #include "enamel/study/parallel.hpp"
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_pipeline.h>
-#include <oneapi/tbb/task_arena.h>
-
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
 #include <string>
+#include <thread>
+#include <vector>
 
-#include "enamel/core/error.hpp"
+#include "core/message.hpp"
+#include "core/system_process.hpp"
 
 namespace enamel {
 namespace {
 
-// Run a body in an arena of exactly `threads`, even if the machine has fewer.
-template <typename Body>
-void onThreads(int threads, const Body& body) {
-  if (threads < 1 || threads > kMaxThreads)
-    throw Error("threads is " + std::to_string(threads) + ", must be in 1 to " + std::to_string(kMaxThreads));
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  tbb::task_arena(threads).execute(body);
+// Call work() on `threads` threads, this one among them. After its first exception, which is rethrown, call stop().
+template <typename Work, typename Stop>
+void onThreads(int threads, std::size_t most, const Work& work, const Stop& stop) {
+  require(threads >= 1 && threads <= kMaxThreads,
+          "threads is " + std::to_string(threads) + ", must be in 1 to " + std::to_string(kMaxThreads));
+  std::exception_ptr problem;
+  std::mutex first;
+  const auto guarded = [&] {
+    try {
+      work();
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(first);
+      if (!problem) problem = std::current_exception();
+      stop();
+    }
+  };
+  std::vector<std::thread> others;
+  const std::size_t wanted = std::min(static_cast<std::size_t>(threads), most);
+  try {
+    while (others.size() + 1 < wanted) others.emplace_back(guarded);
+  } catch (const std::system_error&) {  // fewer threads give the same result
+  }
+  guarded();
+  for (std::thread& other : others) other.join();
+  if (problem) std::rethrow_exception(problem);
 }
+
+// State that the threads of parallelInOrder() share.
+struct Line {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::size_t next, finished;
+  std::vector<char> isReady;  // for done(), a ring
+  bool isOver = false, isFinishing = false;
+};
 
 }  // namespace
 
-int availableThreads() { return std::min(kMaxThreads, std::max(1, tbb::info::default_concurrency())); }
+int availableThreads() { return std::clamp(system::processors(), 1, kMaxThreads); }
 
 void parallelFor(std::size_t count, int threads, const std::function<void(std::size_t)>& body) {
-  onThreads(threads, [&] {
-    tbb::parallel_for(
-        std::size_t{0}, count, [&body](std::size_t i) { body(i); }, tbb::simple_partitioner());
-  });
+  std::atomic<std::size_t> next{0};
+  onThreads(
+      threads, count,
+      [&] {
+        for (std::size_t i = 0; (i = next++) < count;) body(i);
+      },
+      [&] { next = count; });
 }
 
 std::size_t parallelInOrder(std::size_t first, std::size_t count, int threads,
                             const std::function<void(std::size_t)>& work, const std::function<void(std::size_t)>& done,
                             const std::function<bool()>& stop) {
-  std::size_t next = first, finished = first;
-  onThreads(threads, [&] {
-    const auto begin = [&](tbb::flow_control& flow) {
-      if (next < count && !stop()) return next++;
-      flow.stop();
-      return count;
-    };
-    const auto perform = [&work](std::size_t i) {
+  const std::size_t ahead = 4 * static_cast<std::size_t>(std::max(1, threads));
+  Line line{{}, {}, first, first, std::vector<char>(ahead, 0)};
+  const auto serve = [&] {
+    std::unique_lock<std::mutex> lock(line.mutex);
+    for (;;) {
+      line.changed.wait(lock, [&] { return line.isOver || line.next >= count || line.next < line.finished + ahead; });
+      line.isOver = line.isOver || line.next >= count || stop();
+      if (line.isOver) break;
+      const std::size_t i = line.next++;
+      lock.unlock();
       work(i);
-      return i;
-    };
-    const auto finish = [&](std::size_t i) {
-      done(i);
-      finished = i + 1;
-    };
-    tbb::parallel_pipeline(4 * static_cast<std::size_t>(threads),
-                           tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, begin) &
-                               tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel, perform) &
-                               tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order, finish));
+      lock.lock();
+      line.isReady[i % ahead] = 1;
+      if (line.isFinishing) continue;
+      line.isFinishing = true;
+      for (char* ready; *(ready = &line.isReady[line.finished % ahead]) != 0; ++line.finished) {
+        *ready = 0;
+        lock.unlock();
+        done(line.finished);
+        lock.lock();
+        line.changed.notify_all();
+      }
+      line.isFinishing = false;
+    }
+    line.changed.notify_all();
+  };
+  onThreads(threads, count - std::min(first, count), serve, [&line] {
+    const std::lock_guard<std::mutex> lock(line.mutex);
+    line.isOver = true;
+    line.changed.notify_all();
   });
-  return finished;
+  return line.finished;
 }
 
 }  // namespace enamel

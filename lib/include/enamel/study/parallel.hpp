@@ -1,4 +1,4 @@
-// Work on several cores (oneTBB behind a plain interface). The result does not depend on their number.
+// Work on several cores. The result does not depend on their number.
 #pragma once
 
 #include <cstddef>
