@@ -6,9 +6,9 @@
 
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test_mesh_file {
 
@@ -170,6 +170,17 @@ TEST_CASE("a text of as many bytes as a binary STL's head is a text", "[unit]") 
   std::string text = "solid\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendsolid";
   text.resize(84, '\n');
   CHECK(parseMesh(text, "a.stl").triangles.size() == 1);
+}
+
+TEST_CASE("a number too small for a double is zero, one too large is refused", "[unit]") {
+  const auto file = [](const std::string& z) { return "OFF 3 1 0\n0 0 0\n1 0 " + z + "\n0 1 0\n3 0 1 2\n"; };
+  const std::string zeros(400, '0');
+  for (const std::string& z : {std::string("1e-400"), std::string("-9.9E-5000"), std::string("1e-99999999999999999999"),
+                               "0." + zeros + "1", "0." + zeros + "1e10", "1" + zeros + "e-900"})
+    CHECK(parseMesh(file(z), "a.off").vertices[1].z() == 0.0);
+  for (const std::string& z : {std::string("1e400"), std::string("1E+5000"), std::string("1e99999999999999999999"),
+                               "1" + zeros + ".5", "-1" + zeros + "e10", "0." + zeros + "1e900"})
+    checkRefused(file(z), "a.off", "vertex 1");
 }
 
 TEST_CASE("unusable files are refused with the file, the place and the reason", "[unit]") {

@@ -138,9 +138,7 @@ class Words {
     const char* start = word.data() + (!word.empty() && word.front() == '+' ? 1 : 0);
     const auto result = std::from_chars(start, word.data() + word.size(), value);
     if (result.ec == std::errc::result_out_of_range && result.ptr == word.data() + word.size()) {
-      long double wide = HUGE_VAL;  // decides between underflow and overflow
-      std::from_chars(start, word.data() + word.size(), wide);
-      return std::abs(wide) < 1.0L ? 0.0 : HUGE_VAL;
+      return isSmall(word) ? 0.0 : HUGE_VAL;
     }
     if (result.ec != std::errc() || result.ptr != word.data() + word.size())
       fail(what + " is \"" + std::string(word.substr(0, 40)) + "\", must be a number");
@@ -159,6 +157,19 @@ class Words {
   std::int64_t integer(const char* what) { return integer(word(what), what); }
 
  private:
+  // Return whether a decimal number that a double cannot hold is too small, rather than too large.
+  static bool isSmall(std::string_view word) {
+    const std::size_t mark = std::min(word.find_first_of("eE"), word.size());
+    const std::size_t point = std::min(word.find('.'), mark), first = word.find_first_of("123456789");
+    std::int64_t exponent = 0;
+    if (mark < word.size()) {
+      const char* start = word.data() + mark + (word[mark + 1] == '+' ? 2 : 1);
+      if (std::from_chars(start, word.data() + word.size(), exponent).ec == std::errc::result_out_of_range)
+        return *start == '-';
+    }
+    return exponent < static_cast<std::int64_t>(first) - static_cast<std::int64_t>(point);
+  }
+
   static bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
 
   std::string_view text_;
