@@ -1,11 +1,37 @@
 # Compile options of all targets of this project, and the functions that make them.
 
+# The implementation of lib/src/*/system_*.hpp, and what else differs between operating systems.
+set(ENAMEL_SYSTEM posix)
+if(WIN32)
+  set(ENAMEL_SYSTEM windows)
+  set(ENAMEL_SYSTEM_LIBRARIES ws2_32 avrt winmm)
+endif()
+set(ENAMEL_X86 OFF)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
+  set(ENAMEL_X86 ON)
+endif()
+# GCC for Windows aligns the stack to 16 bytes only, but spills AVX registers with aligned moves (bug 54412). The
+# assembler can replace those moves. Unaligned moves of aligned data take the same time.
+if(ENAMEL_X86 AND MINGW AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  include(CheckCXXCompilerFlag)
+  set(ENAMEL_UNALIGNED_MOVES -Wa,-muse-unaligned-vector-move)
+  check_cxx_compiler_flag(${ENAMEL_UNALIGNED_MOVES} ENAMEL_HAS_UNALIGNED_MOVES)
+  if(NOT ENAMEL_HAS_UNALIGNED_MOVES)
+    message(STATUS "The assembler is older than binutils 2.38: enamel is built without AVX")
+    set(ENAMEL_X86 OFF)
+  endif()
+endif()
+
 add_library(enamel_compile_options INTERFACE)
 target_compile_features(enamel_compile_options INTERFACE cxx_std_17)
 # Round every product and sum separately (no FMA contraction): all machines give the same bits.
 target_compile_options(enamel_compile_options INTERFACE
   -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wconversion
   -Wno-sign-conversion $<$<BOOL:${ENAMEL_WARNINGS_AS_ERRORS}>:-Werror>)
+if(WIN32)
+  target_compile_definitions(enamel_compile_options INTERFACE NOMINMAX WIN32_LEAN_AND_MEAN _WIN32_WINNT=0x0A00
+    _USE_MATH_DEFINES)
+endif()
 if(ENAMEL_SANITIZE)
   # Checks of every pointer double the compile time of Eigen's templates. The address sanitizer finds accesses through
   # bad pointers without them. A target with the property ENAMEL_PLAIN is not instrumented. It needs a property,
@@ -53,6 +79,7 @@ function(enamel_add_module name)
   target_include_directories(${target}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/lib/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
     PRIVATE ${PROJECT_SOURCE_DIR}/lib/src)
+  target_include_directories(${target} SYSTEM PRIVATE ${ENAMEL_TOMLPLUSPLUS})
   target_compile_features(${target} PUBLIC cxx_std_17)
   enamel_reuse_headers(${target} enamel_lib_headers)
   target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE $<BUILD_INTERFACE:enamel_compile_options> ${arg_PRIVATE})

@@ -67,7 +67,7 @@ Device makeDevice(const DesignOptions& options) {
 
 DesignedServo measure(const DesignOptions& options, const Device& device, const ServoDesign& design) {
   const Eigen::MatrixXd closed = closedLoop(design.augmented, design.K, 0);
-  return {std::filesystem::path(options.device).filename().string(),
+  return {std::filesystem::u8path(options.device).filename().u8string(),
           device.pose.position,
           options.deviceDamping,
           device.linear.error,

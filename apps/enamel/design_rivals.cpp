@@ -69,7 +69,7 @@ std::string designRivals(const RivalSearchOptions& options) {
   fmt::print("rivals on {}, each the best of {} generations, evaluated with new random numbers\n", setup.plant->name(),
              options.generations);
   printTask(setup);
-  ControllerFile file{std::filesystem::path(options.device).filename().string(), {}};
+  ControllerFile file{std::filesystem::u8path(options.device).filename().u8string(), {}};
   for (const Delay& delay : {Delay{0, 0}, Delay{1, 1}, Delay{2, 2}, Delay{3, 3}, Delay{0, 3}}) {
     setup.delay = delay;
     fmt::print("delay {}\n", ticksText(delay));

@@ -1,5 +1,4 @@
 #include <fmt/core.h>
-#include <signal.h>  // sigaction is not in <csignal>
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -25,6 +24,7 @@
 #include "enamel/runtime/udp_device.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/simulated_device.hpp"
+#include "program/interrupt.hpp"
 #include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/recorded.hpp"
@@ -39,34 +39,14 @@ struct DeviceOptions {
   double rate_Hz = 1000.0, duration = 0.0, force = kUnlimited;
 };
 
-volatile sig_atomic_t interrupted = 0;
-
-// While it exists, SIGINT and SIGTERM end the wait instead of the program.
-class Wait {
- public:
-  Wait() {
-    struct sigaction action {};
-    action.sa_handler = [](int) { interrupted = 1; };
-    sigaction(SIGINT, &action, &before_[0]);
-    sigaction(SIGTERM, &action, &before_[1]);
-  }
-  ~Wait() {
-    sigaction(SIGINT, &before_[0], nullptr);
-    sigaction(SIGTERM, &before_[1], nullptr);
-  }
-
-  // Wait for a signal or for `duration` s; 0: until a signal.
-  void operator()(double duration) const {
-    using Clock = std::chrono::steady_clock;
-    const auto begin = Clock::now();
-    while (interrupted == 0 &&
-           (duration == 0.0 || std::chrono::duration<double>(Clock::now() - begin).count() < duration))
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-
- private:
-  struct sigaction before_[2];
-};
+// Wait for an interruption or for `duration` s; 0: until an interruption.
+void wait(double duration) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  while (interruption() == 0 &&
+         (duration == 0.0 || std::chrono::duration<double>(Clock::now() - begin).count() < duration))
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
 
 void print(const char* name, const DurationHistogram& h) {
   fmt::print("{:<28} p50 {:>8.1f}  p99 {:>8.1f}  p99.9 {:>8.1f}  max {:>8.1f} us  ({})\n", name, 1e6 * h.quantile(0.5),
@@ -75,7 +55,7 @@ void print(const char* name, const DurationHistogram& h) {
 
 void print(const PeriodicTiming& timing) {
   fmt::print("periods {}, missed {}, scheduling {}\n", timing.periods.load(), timing.missed.load(),
-             timing.realtime.load() ? "real-time (SCHED_FIFO)" : "normal: the system refused the real-time class");
+             timing.realtime.load() ? "real-time" : "normal: the system refused the real-time class");
   print("wake-up error", timing.wakeUp);
   print("compute time of a period", timing.compute);
 }
@@ -110,7 +90,7 @@ void serve(const DeviceOptions& options, const Mechanism& mechanism) {
   SimulatedDevice device(mechanism, setup, scriptedHand(), true);
   ServeOptions how = options.server;
   how.period = setup.period;
-  const Wait wait;
+  const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
   const DeviceServer server(device, mechanism, how);
   fmt::print("{} at {}:{}, {} Hz, {}\n", mechanism.name(), how.address, server.port(), options.rate_Hz,
              how.link.key ? "with a key" : "without a key");
@@ -174,7 +154,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
   RecordingHeader header;
   if (!options.record.empty()) {
     if (options.device.empty()) throw Error("--record needs --device: the recording contains the device file");
-    header.deviceFile = std::filesystem::absolute(options.device).string();
+    header.deviceFile = std::filesystem::absolute(std::filesystem::u8path(options.device)).u8string();
     header.deviceText = readFile(options.device);
   }
   Scene scene = flatWall();
@@ -188,7 +168,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
     scene = std::move(file.scene);
     tool = file.tool;
     guard.force = std::min(guard.force, file.maxForce);
-    header.sceneFile = std::filesystem::absolute(options.scene).string();
+    header.sceneFile = std::filesystem::absolute(std::filesystem::u8path(options.scene)).u8string();
     if (!options.record.empty()) header.sceneText = readFile(options.scene);
   }
   const RendererSource source = findRenderer(options.renderer, pluginFolder());
@@ -211,7 +191,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
   how.sink = &tally;
   GuardReason fault = GuardReason::none;
   {
-    const Wait wait;
+    const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
     HapticLoop loop(device, haptics, how);
     fmt::print("{} at {}: {}, memory {}\n", mechanism->name(), options.connect, options.renderer,
                loop.memoryLocked() ? "locked" : "not locked: the system refused");

@@ -42,7 +42,7 @@ void run(const ExportOptions& options) {
     throw Error(fmt::format("{}: the device has {} joints, its ticks have {}", options.file, device->joints(),
                             recording.header().joints));
   std::error_code none;
-  if (std::filesystem::equivalent(options.file, options.csv, none))
+  if (std::filesystem::equivalent(std::filesystem::u8path(options.file), std::filesystem::u8path(options.csv), none))
     throw Error(options.csv + ": is the recording itself, --csv must be another file");
   requireFree(options.csv, options.overwrite);
   FileWriter file(options.csv);

@@ -59,7 +59,7 @@ void run(const FmuOptions& options) {
     (void)makeLinked(unit.renderer, unit.parameters, model, unit.period);
     (void)guardFor(*model, unit.period);
   }
-  setup.binary = (std::filesystem::path(pluginFolder()).parent_path() / "fmi" / binary).string();
+  setup.binary = (std::filesystem::u8path(pluginFolder()).parent_path() / "fmi" / binary).u8string();
   fmi::writeUnit(options.output, setup);
   fmt::print("{}: {} of {}, {} s a step\n", options.output,
              options.renderer.empty() ? "plant " + options.plant : "renderer " + options.renderer, nameOf(parameters),

@@ -3,12 +3,14 @@
 #include "commands.hpp"
 #include "old_commands.hpp"
 #include "program/program.hpp"
+#include "program/system.hpp"
 
 int main(int argc, char** argv) {
   return enamel::app::runProgram("enamel", [&] {
     CLI::App app{
         "Enamel: stiff contact on haptic devices.\nUnits are SI unless a name says otherwise. Frame W: x right, y up, "
         "z from the wall to the user."};
+    app.allow_windows_style_options(false);  // a path may begin with '/', also on Windows
     app.require_subcommand(1);
     enamel::app::addEvaluate(app);
     enamel::app::addDesign(app);
@@ -26,7 +28,7 @@ int main(int argc, char** argv) {
 #endif
     enamel::app::addBench(app);
     std::string warning;
-    std::vector<std::string> arguments = enamel::app::presentCommand({argv + 1, argv + argc}, warning);
+    std::vector<std::string> arguments = enamel::app::presentCommand(enamel::app::argumentsOf(argc, argv), warning);
     if (!warning.empty()) enamel::app::tell("enamel: warning", warning);
     std::vector<char*> words{argv[0]};
     for (std::string& argument : arguments) words.push_back(argument.data());

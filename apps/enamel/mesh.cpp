@@ -60,7 +60,7 @@ void print(const MeshReport& r) {
 
 // Use PLY for a file name without an extension.
 void checkOutput(const std::string& path) {
-  const std::string ending = std::filesystem::path(path).extension().string();
+  const std::string ending = std::filesystem::u8path(path).extension().u8string();
   if (!ending.empty() && ending != ".ply" && ending != ".stl")
     throw Error(path + ": the extension must be .ply or .stl");
 }
@@ -89,7 +89,7 @@ void writeStl(const TriangleMesh& mesh, const std::string& path) {
 
 // Write a binary file in mm.
 void write(const TriangleMesh& mesh, const std::string& path) {
-  if (std::filesystem::path(path).extension() == ".stl") return writeStl(mesh, path);
+  if (std::filesystem::u8path(path).extension() == ".stl") return writeStl(mesh, path);
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment units mm\nelement vertex {}\nproperty float x\n"
       "property float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",

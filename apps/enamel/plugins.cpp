@@ -10,7 +10,7 @@
 #include "enamel/plugin/conformance.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
-#ifndef ENAMEL_SANITIZED
+#ifdef ENAMEL_COUNTS_ALLOCATIONS
 #include "allocation_counter.hpp"
 #endif
 
@@ -57,7 +57,7 @@ bool keepsContract(const CheckOptions& options) {
   else
     setup.devicePath = options.device;
   ConformanceOptions conformance;
-#ifndef ENAMEL_SANITIZED
+#ifdef ENAMEL_COUNTS_ALLOCATIONS
   conformance.allocationCount = &allocationCount;
 #endif
   return checkPlugin(PluginLibrary::load(options.file), setup, conformance, [](const ConformanceResult& result) {

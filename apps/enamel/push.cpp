@@ -42,9 +42,9 @@ struct PushOptions {
 // Return the file's name; with several renderers, the renderer's name is added: run-impedance.csv.
 std::string outputFor(const PushOptions& options, const std::string& file, const std::string& renderer) {
   if (options.renderers.size() == 1) return file;
-  std::filesystem::path path(file);
-  path.replace_filename(path.stem().string() + "-" + renderer + path.extension().string());
-  return path.string();
+  std::filesystem::path path = std::filesystem::u8path(file);
+  path.replace_filename(std::filesystem::u8path(path.stem().u8string() + "-" + renderer + path.extension().u8string()));
+  return path.u8string();
 }
 
 // Convert the options, and check everything that can be checked before a renderer runs.
@@ -105,16 +105,17 @@ std::map<std::string, std::string> parametersOf(const PushOptions& options, cons
             {"drive", drivesOf(options.plant)}};
   std::map<std::string, std::string> parameters = {
       {"mode", "hold"}, {"release", onOff(options.servo.release)}, {"anti-windup", onOff(options.servo.antiWindup)}};
-  if (!options.gain.empty()) parameters["gain"] = std::filesystem::absolute(options.gain).string();
+  if (!options.gain.empty())
+    parameters["gain"] = std::filesystem::absolute(std::filesystem::u8path(options.gain)).u8string();
   return parameters;
 }
 
 RecordingHeader headerOf(const PushOptions& options, const PushSetup& setup) {
   RecordingHeader header;
-  header.deviceFile = std::filesystem::absolute(options.device).string();
+  header.deviceFile = std::filesystem::absolute(std::filesystem::u8path(options.device)).u8string();
   header.deviceText = readFile(options.device);
   if (!options.scene.empty()) {
-    header.sceneFile = std::filesystem::absolute(options.scene).string();
+    header.sceneFile = std::filesystem::absolute(std::filesystem::u8path(options.scene)).u8string();
     header.sceneText = readFile(options.scene);
   }
   header.start = setup.start;
@@ -196,7 +197,9 @@ void completeTask(PushTask& task) {
   task.damping = dampingAlong(*task.plant, task.setup.start, task.setup.hand.normal);
   task.limit = largestStiffness(*task.plant, task.setup);
   if (options.record.empty()) return;
-  const auto place = [](const std::string& file) { return std::filesystem::absolute(file).lexically_normal(); };
+  const auto place = [](const std::string& file) {
+    return std::filesystem::absolute(std::filesystem::u8path(file)).lexically_normal();
+  };
   if (!options.output.empty() && place(options.output) == place(options.record))
     throw Error("--record and --output must be different files, both are " + options.record);
   task.header = headerOf(options, task.setup);

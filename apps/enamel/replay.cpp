@@ -83,7 +83,8 @@ void run(const ReplayOptions& options) {
   if (!options.beside.empty() && isOther) throw Error("--beside cannot be combined with --renderer or --set");
   if (hasPage) checkReplayPage();
   for (const std::string& recording : {options.file, options.beside})
-    if (std::error_code none; hasPage && std::filesystem::equivalent(options.html, recording, none))
+    if (std::error_code none; hasPage && std::filesystem::equivalent(std::filesystem::u8path(options.html),
+                                                                     std::filesystem::u8path(recording), none))
       throw Error("--html must be another file than the recording " + options.html);
   requireFree(options.html, options.overwrite);
   std::vector<nlohmann::json> sides;
@@ -95,7 +96,7 @@ void run(const ReplayOptions& options) {
   Replayed run(options.file, options.renderer, options.set);
   const RecordingHeader& header = run.recording.header();
   const std::string name =
-      options.renderer.empty() ? header.renderer : std::filesystem::path(options.renderer).stem().string();
+      options.renderer.empty() ? header.renderer : std::filesystem::u8path(options.renderer).stem().u8string();
   const ReplayResult result = play(run, options.from, name, isOther, numbers, hasPage ? &sides : nullptr);
   std::string damage;
   if (!options.beside.empty()) {
@@ -115,7 +116,7 @@ void run(const ReplayOptions& options) {
   if (hasPage) {
     writeReplayPage(options.html, sides, numbers);
     fmt::print("page: {}, {:.1f} MB\n", options.html,
-               1e-6 * static_cast<double>(std::filesystem::file_size(options.html)));
+               1e-6 * static_cast<double>(std::filesystem::file_size(std::filesystem::u8path(options.html))));
   }
   if (result.damaged > 0) damage = options.file + ": damaged: only the ticks that could be read were compared";
   if (result.different > 0)

@@ -3,14 +3,15 @@
 #include <filesystem>
 
 #include "enamel/core/error.hpp"
+#include "program/system.hpp"
 
 namespace enamel::app {
 
 std::string pluginFolder() {
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  std::error_code ignored;
+  const std::filesystem::path program = std::filesystem::u8path(programFile());
   const auto installed = program.parent_path().parent_path() / ENAMEL_INSTALLED_PLUGINS;
-  if (!error && std::filesystem::is_directory(installed, error)) return installed.string();
+  if (!program.empty() && std::filesystem::is_directory(installed, ignored)) return installed.u8string();
   return ENAMEL_BUILT_PLUGINS;
 }
 

@@ -1,13 +1,9 @@
 #include "program/program.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <new>
@@ -16,6 +12,7 @@
 
 #include "enamel/core/old_names.hpp"
 #include "enamel/plugin/abi.h"
+#include "program/system.hpp"
 
 namespace enamel::app {
 namespace {
@@ -43,12 +40,6 @@ void requireDecimalNumbers(CLI::App& command) {
   for (CLI::App* sub : command.get_subcommands({})) requireDecimalNumbers(*sub);
 }
 
-void openStandardStreams() {
-  int number = open("/dev/null", O_RDWR);
-  while (number >= 0 && number <= STDERR_FILENO) number = open("/dev/null", O_RDWR);
-  if (number >= 0) close(number);
-}
-
 }  // namespace
 
 void tell(const std::string& name, const std::string& reason) noexcept {
@@ -56,8 +47,7 @@ void tell(const std::string& name, const std::string& reason) noexcept {
 }
 
 int runProgram(const std::string& name, const std::function<void()>& body) noexcept {
-  openStandardStreams();
-  std::signal(SIGXFSZ, SIG_IGN);
+  prepareStreams();
   int status = 0;
   const auto fail = [&](int code, const std::string& reason) {
     std::fflush(stdout);

@@ -26,7 +26,7 @@ std::uint32_t filesChecksum(const std::map<std::string, std::string>& parameters
 void nameRenderer(const std::string& renderer, const std::string& plugin,
                   const std::map<std::string, std::string>& parameters, const Scene& scene, RecordingHeader& header) {
   header.renderer = renderer;
-  header.plugin = plugin.empty() ? "" : std::filesystem::absolute(plugin).string();
+  header.plugin = plugin.empty() ? "" : std::filesystem::absolute(std::filesystem::u8path(plugin)).u8string();
   header.parameters = parameters;
   header.files = filesChecksum(parameters, scene);
 }

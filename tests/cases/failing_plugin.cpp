@@ -1,8 +1,8 @@
 // Plugins that fail as soon as the host requests their table; FAIL_BY_... selects the way.
-#include <unistd.h>
-
+#include <chrono>
 #include <cstdlib>
 #include <stdexcept>
+#include <thread>
 
 #include "enamel/plugin/abi.h"
 
@@ -18,7 +18,7 @@ extern "C" ENAMEL_PLUGIN_EXPORT const EnamelPlugin* enamel_plugin(void) {
 #if defined(FAIL_BY_CRASHING)
   std::abort();
 #elif defined(FAIL_BY_HANGING)
-  for (;;) pause();
+  for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 #elif defined(FAIL_BY_EXITING)
   std::exit(0);
 #elif defined(FAIL_BY_THROWING)

@@ -2,15 +2,13 @@
 #pragma once
 
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
+
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test {
 
@@ -33,30 +31,6 @@ inline CommandResult runCommand(const std::string& command) {
 
 inline CommandResult run(const std::string& arguments) {
   return runCommand(std::string("'") + ENAMEL_TOOL + "' " + arguments);
-}
-
-/// A temporary folder that is removed with the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "enamel-test-XXXXXX").string();
-    path_ = mkdtemp(pattern.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
-
-inline void writeFile(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
-
-inline std::string readFile(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
 }
 
 }  // namespace enamel::test

@@ -9,9 +9,9 @@
 #include "enamel/core/file.hpp"
 #include "enamel/study/wall_trials.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
 #include "support/devices.hpp"
 #include "support/pushes.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test_controllers {
 

@@ -3,9 +3,9 @@
 
 #include "enamel/sim/virtual_loop.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
 #include "support/device_wire.hpp"
 #include "support/run_length.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test_device_link {
 

@@ -180,6 +180,26 @@ TEST_CASE("an include that points up is found, and its line is told", "[layers]"
   }
 }
 
+TEST_CASE("only the files of a system include its headers", "[layers]") {
+  const std::regex header(
+      R"(\s*#\s*include\s*<(sys/|arpa/|netinet/|netdb|unistd|fcntl|pthread|dlfcn|poll|sched|signal\.h|spawn|elf|windows|winsock2|io\.h).*)");
+  const std::regex ported("(lib|apps/(enamel|program|colours))/.*");
+  int count = 0;
+  for (const fs::path& file : sourcesOf(kSource)) {
+    const std::string stem = file.stem().string();
+    const bool isOfSystem = std::regex_search(stem, std::regex("_(posix|windows)$"));
+    if (!std::regex_match(file.generic_string(), ported)) continue;
+    std::istringstream text(test::readFile((kSource / file).string()));
+    for (std::string line; std::getline(text, line);) {
+      if (!std::regex_match(line, header)) continue;
+      INFO(file.string() + ": " + line);
+      CHECK(isOfSystem);
+      ++count;
+    }
+  }
+  CHECK(count > 20);
+}
+
 // "core <- device, control": the layers that exist.
 TEST_CASE("CONTRIBUTING states this order", "[layers]") {
   const auto exists = [](const std::string& module) {

@@ -12,9 +12,9 @@
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
 #include "support/devices.hpp"
 #include "support/reference.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test_monte_carlo {
 

@@ -3,7 +3,7 @@
 
 #include "enamel/device/device_file.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test_nominal_device {
 

@@ -1,15 +1,10 @@
 // Recordings: every field survives, replay is exact from any chunk. Disks that are full or slow, files that were cut or
-// changed, processes that were killed. ENAMEL_LONG=1: 1e5 changed files.
+// changed. ENAMEL_LONG=1: 1e5 changed files.
 #include "enamel/runtime/recording.hpp"
-
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/device/device_file.hpp"
@@ -17,83 +12,22 @@
 #include "enamel/runtime/replay.hpp"
 #include "enamel/sim/simulated_device.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
 #include "support/disk.hpp"
 #include "support/eventually.hpp"
 #include "support/garbage.hpp"
 #include "support/pushes.hpp"
+#include "support/recording_rig.hpp"
 #include "support/run_length.hpp"
 #include "support/skip.hpp"
 
 namespace enamel::test_recording {
 
+using namespace test::recording_rig;
+
 namespace {
-
-constexpr std::size_t kHead = 24, kChunkHead = 32, kTick = 320;  // bytes, as on the page
-
-std::uint32_t wordAt(const std::string& bytes, std::size_t at) {
-  std::uint32_t word;
-  std::memcpy(&word, bytes.data() + at, sizeof(word));
-  return word;
-}
 
 void setWord(std::string& bytes, std::size_t at, std::uint32_t word) {
   std::memcpy(bytes.data() + at, &word, sizeof(word));
-}
-
-// Return the size of a chunk whose state has `state` bytes.
-std::size_t chunkSize(std::size_t state) { return kChunkHead + (state + 7) / 8 * 8 + kChunkTicks * kTick; }
-
-// A device, a wall and a spring.
-struct Rig {
-  std::shared_ptr<const Mechanism> device = makeMechanism(loadDevice(test::deviceFile("cartesian-6.toml")));
-  Scene scene = flatWall();
-  ImpedanceRenderer spring{{2000.0, 5.0}};
-  HapticTick tick{*device, scene, Tool(), spring, 1e-3};
-  std::uint64_t number = 0;
-  Measurement measurement;
-  Command command;
-
-  Status step() {
-    const double t = 1e-3 * static_cast<double>(number);
-    Kinematics k;
-    Pose pose;
-    pose.position = {0.002 * std::sin(3.0 * t), 0.0, 1e-3 * std::sin(20.0 * t)};
-    REQUIRE(device->reach(pose, Vec6::Zero(), false, k) == Status::ok);
-    measurement.time = t;
-    measurement.q = k.q;
-    measurement.rates = k.rates;
-    return tick(measurement, command);
-  }
-  void run(Recorder& recorder, int ticks) {
-    for (int i = 0; i < ticks; ++i) {
-      const Status status = step();
-      recorder.add(number++, measurement, tick, command, status);
-    }
-  }
-};
-
-ReplayResult replayed(const std::string& file, std::uint64_t from = 0) {
-  RecordingReader reader(file);
-  Rig rig;
-  HapticTick tick(*rig.device, rig.scene, Tool(), rig.spring, reader.header().guard, reader.header().start);
-  return replay(reader, tick, from);
-}
-
-// Return a recording of a rig as bytes.
-std::string recorded(const test::TemporaryFolder& folder, int ticks) {
-  const std::string file = folder / "made.rec";
-  std::filesystem::remove(file);
-  Rig rig;
-  Recorder recorder(file, {}, rig.tick);
-  for (int left = ticks; left > 0; left -= 64) {
-    recorder.makeRoom();
-    rig.run(recorder, std::min(left, 64));
-  }
-  const RecordingResult result = recorder.close();
-  REQUIRE(result.ticks == static_cast<std::uint64_t>(ticks));
-  REQUIRE(result.problem.empty());
-  return test::readFile(file);
 }
 
 bool same(const JointVector& a, const JointVector& b) {
@@ -432,7 +366,7 @@ TEST_CASE("recording: read while it is written, and to the last whole chunk once
   });
   for (int i = 0; i < 60; ++i) {
     rig.run(recorder, 32);
-    usleep(500);
+    std::this_thread::sleep_for(std::chrono::microseconds(500));
   }
   CHECK(recorder.close().ticks == 60 * 32);
   done = true;
@@ -456,34 +390,6 @@ TEST_CASE("recording: read while it is written, and to the last whole chunk once
     for (std::uint64_t k = 0; k < reader.chunks(); ++k) whole += reader.read(k, chunk).empty();
     CHECK(whole == (length - begin) / size);
   }
-}
-
-TEST_CASE("recording: of a process that was killed all whole chunks are read", "[recording]") {
-  const test::TemporaryFolder folder;
-  const std::string file = folder / "killed.rec";
-  const pid_t child = fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    Rig rig;
-    Recorder recorder(file, {}, rig.tick);
-    while (true) {
-      recorder.makeRoom();
-      rig.run(recorder, 16);
-      usleep(1000);
-    }
-  }
-  const auto size = [&] { return std::filesystem::exists(file) ? std::filesystem::file_size(file) : 0; };
-  CHECK(test::eventually([&] { return size() >= 200000; }));
-  kill(child, SIGKILL);
-  waitpid(child, nullptr, 0);
-  RecordingReader reader(file);
-  const std::uint64_t whole = (std::filesystem::file_size(file) - kHead - wordAt(test::readFile(file), 12)) /
-                              chunkSize(reader.header().stateSize);
-  CHECK(whole >= 3);
-  const ReplayResult result = replayed(file);
-  CHECK(result.ticks == whole * kChunkTicks);
-  CHECK(result.different == 0);
-  CHECK_FALSE(result.closed);
 }
 
 TEST_CASE("recording: a changed file is refused or read, within memory and time", "[recording]") {
@@ -573,20 +479,6 @@ TEST_CASE("recording: a tick takes any state, and its command stays within the l
   rig.tick.loadState(good.data());
   rig.tick.saveState(state.data());
   CHECK(state == good);
-}
-
-TEST_CASE("recording: a pipe whose reader has gone ends the recording, not the process", "[recording]") {
-  const test::TemporaryFolder folder;
-  const std::string pipe = folder / "pipe";
-  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
-  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
-  Rig rig;
-  Recorder recorder(pipe, {}, rig.tick);
-  ::close(reader);
-  rig.run(recorder, 300);
-  const RecordingResult result = recorder.close();
-  CHECK(result.lost == 300);
-  CHECK_THAT(result.problem, test::ContainsSubstring("pipe: cannot write the recording: Broken pipe"));
 }
 
 }  // namespace enamel::test_recording

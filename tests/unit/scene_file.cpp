@@ -8,7 +8,7 @@
 #include "enamel/collision/mesh_update.hpp"
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test_scene_file {
 

@@ -7,9 +7,9 @@
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test_wall_trials {
 

@@ -237,7 +237,7 @@ void addStep(TickBench& bench, const BenchRenderer& one, const std::vector<TickF
   one.renderer->reset();
   const std::string file = app::pluginFolder() + one.plugin;
   std::unique_ptr<Renderer> plugin;
-  if (std::filesystem::exists(file)) {
+  if (std::filesystem::exists(std::filesystem::u8path(file))) {
     PluginSetup setup;
     setup.deviceText = nominalDeviceText();
     setup.parameters = one.parameters;

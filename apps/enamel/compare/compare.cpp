@@ -79,7 +79,7 @@ std::string plain(std::string text) {
 
 void writeResults(const CompareOptions& options, const std::vector<Condition>& conditions) {
   const std::string& folder = options.study.output;
-  std::filesystem::create_directories(folder);
+  std::filesystem::create_directories(std::filesystem::u8path(folder));
   if (hasPushes(options)) writeFile(folder + "/compare.csv", comparisonTable(conditions));
   writeFile(folder + "/tasks.csv", tasksTable(conditions));
   writeFile(folder + "/compare.html", pageOf(options, conditions));

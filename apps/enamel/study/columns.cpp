@@ -70,8 +70,8 @@ RendererChoice choiceOf(const std::string& text) {
     return {ColumnKind::rival, text, rivalSpec(text.substr(std::strlen(kTuned))).title, "", nullptr};
   if (text == kEdge) return {ColumnKind::edge, text, "impedance at the edge of eq. 16", "", nullptr};
   if (text == kScheduled) return {ColumnKind::scheduled, text, "scheduled hold", "", nullptr};
-  if (const std::filesystem::path path(text); path.extension() == ".json") {
-    const std::string name = path.stem().string();
+  if (const std::filesystem::path path = std::filesystem::u8path(text); path.extension() == ".json") {
+    const std::string name = path.stem().u8string();
     return {ColumnKind::hold, name, name, text, nullptr};
   }
   const RendererSource source = findRenderer(text, pluginFolder());

@@ -1,10 +1,5 @@
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <signal.h>  // sigaction is not in <csignal>
-#include <sys/file.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -17,39 +12,19 @@
 #include "enamel/core/file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
+#include "program/interrupt.hpp"
 #include "program/outputs.hpp"
 #include "program/program.hpp"
+#include "program/system.hpp"
 #include "study/report.hpp"
 
 namespace enamel::app {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// ---- interruption ------------------------------------------------------------------------------------------------
-
-std::atomic<int> interrupted{0};  // the signal, or 0
-
-// While it exists, the first Ctrl-C requests a stop, and the second ends the process at once.
-class InterruptGuard {
- public:
-  InterruptGuard() {
-    struct sigaction action = {};
-    action.sa_handler = [](int signal) { interrupted = signal; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGINT, &action, &before_[0]);
-    sigaction(SIGTERM, &action, &before_[1]);
-  }
-  ~InterruptGuard() {
-    sigaction(SIGINT, &before_[0], nullptr);
-    sigaction(SIGTERM, &before_[1], nullptr);
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  struct sigaction before_[2];
-};
 
 // ---- progress ----------------------------------------------------------------------------------------------------
 
@@ -62,7 +37,7 @@ std::string durationText(double seconds) {
 class Progress {
  public:
   Progress(std::size_t first, std::size_t count)
-      : first_(first), count_(count), terminal_(isatty(STDERR_FILENO) != 0), begun_(Clock::now()), shown_(begun_) {}
+      : first_(first), count_(count), terminal_(isTerminal(2)), begun_(Clock::now()), shown_(begun_) {}
 
   void report(std::size_t finished) {
     const auto now = Clock::now();
@@ -89,34 +64,15 @@ class Progress {
 
 // ---- the folder --------------------------------------------------------------------------------------------------
 
-// Keeps other studies out of a folder while it exists.
-class FolderLock {
- public:
-  /// `waits`: wait for other studies to finish; otherwise their presence is an error.
-  FolderLock(const std::string& folder, bool waits)
-      : number_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    if (number_ < 0) throw Error(folder + ": cannot open the folder: " + std::strerror(errno));
-    if (flock(number_, waits ? LOCK_EX : LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-      throw Error(folder + ": another study writes into the folder");
-  }
-  ~FolderLock() { close(number_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int number_;
-};
-
 // Create the folder, and report problems before the runs: missing permission or too little space.
 void prepareFolder(const Study& study) {
   const std::string& folder = study.options.output;
   std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder))
+  fs::create_directories(fs::u8path(folder), error);
+  if (!fs::is_directory(fs::u8path(folder)))
     throw Error(folder + ": cannot make the folder: " + (error ? error.message() : "a file of that name exists"));
-  if (access(folder.c_str(), W_OK | X_OK) != 0)
-    throw Error(folder + ": cannot write into the folder: " + std::strerror(errno));
-  const std::filesystem::space_info space = std::filesystem::space(folder, error);
+  if (!canWriteInto(folder)) throw Error(folder + ": cannot write into the folder: " + std::strerror(errno));
+  const fs::space_info space = fs::space(fs::u8path(folder), error);
   const double needed = 350.0 * static_cast<double>(study.plan.size()) + 8e6;  // lines of runs; figures, report
   if (!error && static_cast<double>(space.available) < needed)
     throw Error(fmt::format("{}: {:.1f} MB are free, the study needs about {:.1f} MB", folder,
@@ -144,7 +100,7 @@ std::vector<std::string> resultsOf(const StudyOptions& options) {
 // Throws unless study.json in the folder describes this study.
 void requireSame(const Study& study) {
   const std::string path = study.path("study.json");
-  const Json there = std::filesystem::exists(path) ? Json::parse(readJson(path), nullptr, false) : Json();
+  const Json there = fs::exists(fs::u8path(path)) ? Json::parse(readJson(path), nullptr, false) : Json();
   if (!there.is_object())
     throw Error(path + ": is missing or damaged, so the study of runs.csv is unknown; --overwrite replaces it");
   const Json here = Json::parse(study.manifest);
@@ -160,22 +116,22 @@ bool isPartOfRuns(const std::string& name) {
 
 // Remove the results of another study and its unfinished parts, which would otherwise be joined to this study's runs.
 void removeResults(const Study& study) {
-  for (const std::string& name : resultsOf(study.options)) std::filesystem::remove(study.path(name));
-  for (const auto& entry : std::filesystem::directory_iterator(study.options.output))
-    if (isPartOfRuns(entry.path().filename().string())) std::filesystem::remove(entry.path());
+  for (const std::string& name : resultsOf(study.options)) fs::remove(fs::u8path(study.path(name)));
+  for (const auto& entry : fs::directory_iterator(fs::u8path(study.options.output)))
+    if (isPartOfRuns(entry.path().filename().u8string())) fs::remove(entry.path());
 }
 
 // Write study.json, which identifies the study: only the same study may continue the runs in the folder.
 void claimFolder(const Study& study) {
   const StudyOptions& options = study.options;
   const std::string path = study.path("study.json"), runs = study.path("runs.csv");
-  const bool hasRuns = std::filesystem::exists(std::filesystem::symlink_status(runs));
+  const bool hasRuns = fs::exists(fs::symlink_status(fs::u8path(runs)));
   if (options.overwrite) {
     removeResults(study);
   } else {
     if (hasRuns && !options.resume && options.parts == 1)
       throw Error(runs + ": exists; --resume continues it, --overwrite replaces it");
-    if (std::filesystem::exists(path) || (hasRuns && options.resume)) {
+    if (fs::exists(fs::u8path(path)) || (hasRuns && options.resume)) {
       requireSame(study);
       if (hasRuns || options.parts > 1) return;
     }
@@ -194,8 +150,7 @@ void perform(const Study& study) {
   if (first > 0) fmt::print(stderr, "{} of {} runs exist already\n", first, count);
   Progress progress(first, count);
   std::vector<StudyResult> results(count);
-  const InterruptGuard guard;
-  interrupted = 0;
+  const InterruptGuard guard(InterruptGuard::Second::endsProcess);
   const std::size_t finished = parallelInOrder(
       first, count, study.options.threads,
       [&](std::size_t i) { results[i] = performRun(study.plan, runAt(study.plan, range.first + i)); },
@@ -203,10 +158,10 @@ void perform(const Study& study) {
         file.append(results[i]);
         progress.report(i + 1);
       },
-      [] { return interrupted != 0; });
+      [] { return interruption() != 0; });
   if (finished < count) {
     progress.interrupt();
-    throw Exit(128 + static_cast<int>(interrupted),
+    throw Exit(128 + interruption(),
                fmt::format("interrupted after {} of {} runs, saved in {}: continue with the same command and --resume",
                            finished, count, path));
   }
@@ -215,7 +170,7 @@ void perform(const Study& study) {
 // Join the parts to runs.csv. Return false if some parts are missing.
 bool joinParts(const Study& study) {
   const std::string path = study.path("runs.csv");
-  if (std::filesystem::exists(path)) {  // already joined, or left by a process without --part
+  if (fs::exists(fs::u8path(path))) {  // already joined, or left by a process without --part
     const std::size_t there = readRuns(study.plan, path).size();
     if (there == study.plan.size()) return true;
     throw Error(fmt::format("{}: has {} of {} runs of a process without --part: continue it with --resume", path, there,
@@ -224,7 +179,7 @@ bool joinParts(const Study& study) {
   std::string text = runHeader() + '\n';
   for (int part = 1; part <= study.options.parts; ++part) {
     const RunRange range = partOf(study.plan, part, study.options.parts);
-    if (!std::filesystem::exists(study.runsPath(part))) return false;
+    if (!fs::exists(fs::u8path(study.runsPath(part)))) return false;
     const std::vector<StudyResult> runs = readRuns(study.plan, study.runsPath(part), range);
     if (runs.size() < range.count) return false;
     for (const StudyResult& run : runs) text += runLine(study.plan, run) + '\n';
@@ -278,7 +233,7 @@ void printConvergence(const Convergence& convergence) {
 
 void writeReport(const Study& study, const Findings& findings) {
   const std::string path = study.path(findings.whole ? "report.html" : "convergence.html");
-  std::filesystem::create_directories(study.path("figures"));
+  fs::create_directories(fs::u8path(study.path("figures")));
   const std::vector<Figure> figures = figuresOf(study, findings);
   for (const Figure& figure : figures) writeFile(study.path("figures/" + figure.name + ".svg"), figure.svg);
   writeFile(path, reportOf(study, findings, figures));
@@ -294,7 +249,7 @@ bool completeRuns(const Study& study) {
     perform(study);
     return true;
   }
-  if (!std::filesystem::exists(study.path("runs.csv"))) perform(study);
+  if (!fs::exists(fs::u8path(study.path("runs.csv")))) perform(study);
   const FolderLock lock(study.options.output, true);
   return joinParts(study);
 }

@@ -106,7 +106,8 @@ double readScale(TomlTable& table) {
 TriangleMesh readMeshFile(TomlTable& table, const std::string& sceneFile, double scale) {
   const std::string file = table.text("file");
   if (file.empty()) table.fail("file", "is empty");
-  return loadMesh((std::filesystem::path(sceneFile).parent_path() / file).string(), scale);
+  return loadMesh((std::filesystem::u8path(sceneFile).parent_path() / std::filesystem::u8path(file)).generic_u8string(),
+                  scale);
 }
 
 Pose readPose(TomlTable& table) {
@@ -336,7 +337,7 @@ PackedScene packScene(const std::string& path) {
   PackedScene packed{readFile(path), {}};
   (void)parseScene(packed.text, path);  // check it first, with its own messages
   toml::table scene = toml::parse(packed.text, path);
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const std::filesystem::path folder = std::filesystem::u8path(path).parent_path();
   struct Name {
     std::size_t begin, end;  // in the text
     std::string name;
@@ -346,8 +347,8 @@ PackedScene packScene(const std::string& path) {
     const toml::node* value = node.as_table()->get("file");
     if (value == nullptr) return;
     const std::string& file = **value->as_string();
-    std::string name = "mesh-" + std::to_string(names.size()) + std::filesystem::path(file).extension().string();
-    packed.files.push_back({name, (folder / file).string()});
+    std::string name = "mesh-" + std::to_string(names.size()) + std::filesystem::u8path(file).extension().u8string();
+    packed.files.push_back({name, (folder / std::filesystem::u8path(file)).generic_u8string()});
     names.push_back({offsetOf(packed.text, value->source().begin), offsetOf(packed.text, value->source().end),
                      '"' + std::move(name) + '"'});
   };

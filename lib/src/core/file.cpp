@@ -1,44 +1,44 @@
 #include "enamel/core/file.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 
+#include "core/system_file.hpp"
+#include "core/system_process.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
+
+namespace fs = std::filesystem;
+using system::FileKind;
 
 std::string readFile(const std::string& path, std::size_t most) {
   const auto refuse = [&path](const std::string& problem) { throw ConfigurationError(path, 0, "", problem); };
   struct Descriptor {
     const int number;
-    ~Descriptor() { close(number); }
+    ~Descriptor() { system::close(number); }
   };
-  // Without O_NONBLOCK a pipe would wait for a writer.
-  const Descriptor file{open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};
-  if (file.number < 0) refuse(std::string("cannot open the file: ") + std::strerror(errno));
-  struct stat status {};
-  if (fstat(file.number, &status) != 0) refuse(std::string("cannot read the file: ") + std::strerror(errno));
-  if (S_ISDIR(status.st_mode)) refuse("is a folder, not a file");
-  if (!S_ISREG(status.st_mode)) refuse("is a pipe or a device, must be a regular file");
-  if (static_cast<std::size_t>(status.st_size) > most)
-    refuse("is " + std::to_string(status.st_size) + " bytes, at most " + std::to_string(most) + " are read");
-  std::string text(static_cast<std::size_t>(status.st_size), '\0');
+  const Descriptor file{system::openToRead(path)};
+  if (file.number < 0)
+    refuse(errno == EISDIR ? "is a folder, not a file" : std::string("cannot open the file: ") + std::strerror(errno));
+  const system::FileStatus status = system::statusOf(file.number);
+  if (status.kind == FileKind::folder) refuse("is a folder, not a file");
+  if (status.kind != FileKind::regular) refuse("is a pipe or a device, must be a regular file");
+  if (status.size > most)
+    refuse("is " + std::to_string(status.size) + " bytes, at most " + std::to_string(most) + " are read");
+  std::string text(static_cast<std::size_t>(status.size), '\0');
   std::size_t size = 0;
   while (size < text.size()) {
-    const ssize_t got = read(file.number, text.data() + size, text.size() - size);
-    if (got < 0 && errno == EINTR) continue;
+    const std::int64_t got = system::readSome(file.number, text.data() + size, text.size() - size);
     if (got < 0) refuse(std::string("cannot read the file: ") + std::strerror(errno));
     if (got == 0) break;
     size += static_cast<std::size_t>(got);
   }
-  if (size != text.size() || (size == 0 && read(file.number, &status, 1) > 0))  // files of /proc report a size of 0
+  char more;  // files of /proc report a size of 0
+  if (size != text.size() || (size == 0 && system::readSome(file.number, &more, 1) > 0))
     refuse("changed its size while it was read: is another program writing it?");
   return text;
 }
@@ -89,42 +89,42 @@ std::string readJson(const std::string& path) {
 }
 
 FileWriter::FileWriter(const std::string& path) : path_(path), target_(path), file_(nullptr, &std::fclose) {
-  struct stat there {};
-  const bool exists = stat(path.c_str(), &there) == 0;
+  const system::FileStatus there = system::statusOf(path);
+  const bool exists = there.kind != FileKind::missing;
   if (path == "/dev/stdout") {  // continue at the present position of the standard output
     std::fflush(stdout);
-    file_.reset(fdopen(dup(STDOUT_FILENO), "wb"));
-  } else if (exists && !S_ISREG(there.st_mode)) {
-    file_.reset(std::fopen(path.c_str(), "wb"));
+    file_.reset(system::streamOf(system::copyOfStandardOutput(), "wb"));
+  } else if (exists && there.kind != FileKind::regular) {
+    if (const int number = system::openPipe(path); number >= 0) file_.reset(system::streamOf(number, "wb"));
   } else {
     if (!exists && errno != ENOENT) fail();
     static std::atomic<unsigned> count{0};
     std::error_code ignored;
-    if (exists && access(path.c_str(), W_OK) != 0) fail();
-    if (exists) target_ = std::filesystem::canonical(path, ignored).string();
-    while (!exists && std::filesystem::is_symlink(target_, ignored)) {  // to a file that does not exist yet
-      const std::filesystem::path link(target_);
-      target_ = (link.parent_path() / std::filesystem::read_symlink(link, ignored)).string();
+    if (exists && !system::isWritable(path)) fail();
+    if (exists) target_ = fs::canonical(fs::u8path(path), ignored).u8string();
+    while (!exists && fs::is_symlink(fs::u8path(target_), ignored)) {  // to a file that does not exist yet
+      const fs::path link = fs::u8path(target_);
+      target_ = (link.parent_path() / fs::read_symlink(link, ignored)).u8string();
     }
     int number = -1;
     do {  // a killed process may have had the same number, typically in a container
-      beside_ = target_ + "." + std::to_string(getpid()) + "-" + std::to_string(count++) + ".part";
-      number = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      beside_ = target_ + "." + std::to_string(system::processId()) + "-" + std::to_string(count++) + ".part";
+      number = system::openNew(beside_);
     } while (number < 0 && errno == EEXIST);
     if (number < 0) {
       beside_.clear();
       fail();
     }
-    if (exists) (void)fchmod(number, there.st_mode & 07777u);
-    file_.reset(fdopen(number, "wb"));
+    if (exists) (void)system::setMode(number, there.mode);
+    file_.reset(system::streamOf(number, "wb"));
   }
   if (file_) return;
-  if (!beside_.empty()) unlink(beside_.c_str());
+  if (!beside_.empty()) system::remove(beside_);
   fail();
 }
 
 FileWriter::~FileWriter() {
-  if (!beside_.empty()) unlink(beside_.c_str());
+  if (!beside_.empty()) system::remove(beside_);
 }
 
 void FileWriter::fail() const { throw Error(path_ + ": cannot write the file: " + std::strerror(errno)); }
@@ -136,7 +136,7 @@ void FileWriter::write(std::string_view bytes) {
 void FileWriter::close() {
   if (std::fflush(file_.get()) != 0 || std::fclose(file_.release()) != 0) fail();
   if (beside_.empty()) return;
-  if (std::rename(beside_.c_str(), target_.c_str()) != 0) fail();
+  if (!system::replace(beside_, target_)) fail();
   beside_.clear();
 }
 

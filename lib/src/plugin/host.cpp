@@ -1,67 +1,20 @@
 #include "enamel/plugin/host.hpp"
 
-#include <dlfcn.h>
-#include <elf.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "convert.hpp"
+#include "plugin/system_library.hpp"
 
 namespace enamel {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 constexpr std::size_t kLargestState = std::size_t{16} << 20;  // bytes, of a plugin
-
-#if defined(__x86_64__)
-constexpr int kMachine = EM_X86_64;
-#elif defined(__aarch64__)
-constexpr int kMachine = EM_AARCH64;
-#else
-constexpr int kMachine = EM_NONE;  // not checked
-#endif
-
-std::string machineName(int machine) {
-  switch (machine) {
-    case EM_X86_64: return "x86-64";
-    case EM_AARCH64: return "AArch64";
-    case EM_386: return "x86 of 32 bits";
-    case EM_ARM: return "ARM of 32 bits";
-    case EM_RISCV: return "RISC-V";
-    default: return "ELF machine " + std::to_string(machine);
-  }
-}
-
-// The file's header permits a better message than the loader's.
-void checkFile(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) throw PluginError(path + ": no such file");
-  Elf64_Ehdr head{};
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  const auto size = static_cast<std::uint64_t>(std::max<std::streamoff>(file.tellg(), 0));
-  const auto readAt = [&](std::uint64_t at, auto& into) {
-    file.seekg(static_cast<std::streamoff>(at));
-    return static_cast<bool>(file.read(reinterpret_cast<char*>(&into), sizeof into));
-  };
-  if (!readAt(0, head) || std::memcmp(head.e_ident, ELFMAG, SELFMAG) != 0)
-    throw PluginError(path + ": is not a shared library (its ELF header is missing)");
-  if (kMachine != EM_NONE && head.e_machine != kMachine)
-    throw PluginError(path + ": is built for " + machineName(head.e_machine) + ", this host for " +
-                      machineName(kMachine));
-  if (head.e_type != ET_DYN || head.e_ident[EI_CLASS] != ELFCLASS64 || head.e_phentsize != sizeof(Elf64_Phdr))
-    throw PluginError(path + ": is not a shared library");
-  // The loader maps what the header promises. Past the end of the file that is a bus error.
-  for (std::uint64_t i = 0; i < head.e_phnum; ++i) {
-    Elf64_Phdr part{};
-    const std::uint64_t at = head.e_phoff + i * sizeof part;
-    if (at >= size || !readAt(at, part) || part.p_offset > size || part.p_filesz > size - part.p_offset)
-      throw PluginError(path + ": is truncated: it has " + std::to_string(size) + " bytes, its header declares more");
-  }
-}
 
 void checkSize(const std::string& path, const char* what, std::uint32_t found, std::size_t expected) {
   if (found != expected)
@@ -183,13 +136,11 @@ class PluginRenderer final : public Renderer {
 }  // namespace
 
 std::shared_ptr<const PluginLibrary> PluginLibrary::load(const std::string& path) {
-  checkFile(path);
+  system::checkLibrary(path);
   std::shared_ptr<PluginLibrary> library(new PluginLibrary);
   library->path_ = path;
-  // A name without '/' would be searched for in the system's folders.
-  library->handle_ = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library->handle_ == nullptr) throw PluginError(path + ": cannot be loaded: " + dlerror());
-  void* symbol = dlsym(library->handle_, ENAMEL_PLUGIN_SYMBOL);
+  library->handle_ = system::loadLibrary(path);
+  void* symbol = system::symbolOf(library->handle_, ENAMEL_PLUGIN_SYMBOL);
   if (symbol == nullptr) throw PluginError(path + ": does not export " ENAMEL_PLUGIN_SYMBOL "()");
   const EnamelPlugin* table = guarded(path, ENAMEL_PLUGIN_SYMBOL, reinterpret_cast<const EnamelPlugin* (*)()>(symbol));
   if (table == nullptr) throw PluginError(path + ": " ENAMEL_PLUGIN_SYMBOL "() returned NULL");
@@ -201,7 +152,7 @@ std::shared_ptr<const PluginLibrary> PluginLibrary::load(const std::string& path
 }
 
 PluginLibrary::~PluginLibrary() {
-  if (handle_ != nullptr) dlclose(handle_);
+  if (handle_ != nullptr) system::unloadLibrary(handle_);
 }
 
 std::unique_ptr<Renderer> makeRenderer(std::shared_ptr<const PluginLibrary> library, const PluginSetup& setup) {
@@ -211,8 +162,8 @@ std::unique_ptr<Renderer> makeRenderer(std::shared_ptr<const PluginLibrary> libr
 std::vector<std::string> pluginFiles(const std::string& folder) {
   std::vector<std::string> files;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-    if (entry.path().extension() == ".so") files.push_back(entry.path().string());
+  for (const auto& entry : fs::directory_iterator(fs::u8path(folder), error))
+    if (entry.path().extension() == system::kLibraryEnding) files.push_back(entry.path().generic_u8string());
   if (error) throw PluginError(folder + ": cannot read the folder: " + error.message());
   std::sort(files.begin(), files.end());
   return files;
@@ -232,27 +183,27 @@ std::vector<PluginFinding> findPlugins(const std::string& folder) {
 }
 
 std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, const std::string& folder) {
-  const std::string ending = ".so";
+  const std::string& ending = system::kLibraryEnding;
   const bool isFile = nameOrPath.size() > ending.size() &&
                       nameOrPath.compare(nameOrPath.size() - ending.size(), ending.size(), ending) == 0;
-  if (isFile || nameOrPath.find('/') != std::string::npos) return PluginLibrary::load(nameOrPath);
+  if (isFile || fs::u8path(nameOrPath).has_parent_path()) return PluginLibrary::load(nameOrPath);
   std::string known, stem = nameOrPath;
   std::replace(stem.begin(), stem.end(), '-', '_');
   std::error_code ignored;
   // The likely files come first, so that a bad plugin beside them is not loaded.
   for (const std::string& file : {folder + "/enamel_" + stem + ending, folder + "/" + stem + ending}) {
-    if (!std::filesystem::is_regular_file(file, ignored)) continue;
+    if (!fs::is_regular_file(fs::u8path(file), ignored)) continue;
     auto library = PluginLibrary::load(file);
     if (library->description().name == nameOrPath) return library;
   }
-  if (std::filesystem::is_directory(folder, ignored))
+  if (fs::is_directory(fs::u8path(folder), ignored))
     for (const PluginFinding& finding : findPlugins(folder)) {
       if (!finding.library) continue;
       if (finding.library->description().name == nameOrPath) return finding.library;
       known += std::string(known.empty() ? "" : ", ") + finding.library->description().name;
     }
   throw PluginError("unknown plugin \"" + nameOrPath + "\": " + folder +
-                    (known.empty() ? " has no plugins" : " has " + known) + "; a path must end in .so");
+                    (known.empty() ? " has no plugins" : " has " + known) + "; a path must end in " + ending);
 }
 
 }  // namespace enamel

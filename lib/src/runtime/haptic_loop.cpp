@@ -1,13 +1,11 @@
 #include "enamel/runtime/haptic_loop.hpp"
 
-#include <sys/mman.h>
-#include <sys/resource.h>
-
 #include <chrono>
 #include <cmath>
 #include <thread>
 
 #include "core/message.hpp"
+#include "core/system_process.hpp"
 
 namespace enamel {
 namespace {
@@ -119,16 +117,12 @@ bool LoopBody::step() noexcept {
 }
 
 HapticLoop::MemoryLock::MemoryLock(bool wanted) noexcept {
-  if (!wanted) return;
-  // Lock future mappings only if no limit can make later allocations fail.
-  rlimit limit{};
-  const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
-  held = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
+  held = wanted && system::lockMemory();
   if (held) ++locks;
 }
 
 HapticLoop::MemoryLock::~MemoryLock() {
-  if (held && --locks == 0) munlockall();
+  if (held && --locks == 0) system::unlockMemory();
 }
 
 HapticLoop::HapticLoop(HapticDevice& device, HapticTick& haptics, const HapticLoopOptions& options)

@@ -1,35 +1,20 @@
 #include "enamel/runtime/periodic_thread.hpp"
 
-#include <pthread.h>
-#include <sys/prctl.h>
-
-#include <cerrno>
 #include <cmath>
-#include <ctime>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "core/message.hpp"
 #include "enamel/core/error.hpp"
+#include "runtime/system_thread.hpp"
 
 namespace enamel {
 namespace {
 
 constexpr std::int64_t kSecond = 1000000000;  // ns
 
-std::int64_t now() noexcept {
-  timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return t.tv_sec * kSecond + t.tv_nsec;
-}
-
 constexpr std::int64_t kLongestSleep = kSecond / 20;  // ns: the thread ends within this time
-
-void sleepUntil(std::int64_t deadline) noexcept {
-  const timespec t{deadline / kSecond, deadline % kSecond};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) continue;
-}
 
 double seconds(std::int64_t duration) noexcept { return 1e-9 * static_cast<double>(duration); }
 
@@ -51,26 +36,23 @@ PeriodicThread::~PeriodicThread() {
 }
 
 void PeriodicThread::run(std::int64_t period, int priority) noexcept {
-  pthread_setname_np(pthread_self(), "haptics");
-  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
-  sched_param parameters{};
-  parameters.sched_priority = priority;
-  const bool granted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
+  system::nameThread("haptics");
+  const bool granted = system::requestRealtime(priority);
   timing_.realtime.store(granted, std::memory_order_relaxed);
 
-  std::int64_t deadline = now() + period, before = 0;
+  std::int64_t deadline = system::clockNow() + period, before = 0;
   while (!stop_.load(std::memory_order_relaxed)) {
-    if (const std::int64_t soon = now() + kLongestSleep; soon < deadline) {
-      sleepUntil(soon);
+    if (const std::int64_t soon = system::clockNow() + kLongestSleep; soon < deadline) {
+      system::sleepUntil(soon);
       continue;
     }
-    sleepUntil(deadline);
-    const std::int64_t begin = now();
+    system::sleepUntil(deadline);
+    const std::int64_t begin = system::clockNow();
     timing_.wakeUp.add(seconds(begin - deadline));
     if (before > 0) timing_.interval.add(seconds(begin - before));
     before = begin;
     work_();
-    const std::int64_t end = now();
+    const std::int64_t end = system::clockNow();
     timing_.compute.add(seconds(end - begin));
     timing_.periods.fetch_add(1, std::memory_order_relaxed);
     deadline += period;

@@ -1,11 +1,5 @@
 #include "enamel/runtime/recorder.hpp"
 
-#include <fcntl.h>
-#include <pthread.h>
-#include <signal.h>  // NOLINT(modernize-deprecated-headers): sigset_t is not in <csignal>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -13,7 +7,9 @@
 #include <system_error>
 
 #include "core/message.hpp"
+#include "core/system_file.hpp"
 #include "recording_format.hpp"
+#include "runtime/system_thread.hpp"
 
 namespace enamel {
 
@@ -27,9 +23,9 @@ constexpr auto kLook = std::chrono::milliseconds(5), kAgain = std::chrono::milli
 
 // Do not overwrite an existing recording. A pipe or a device exists already.
 int openNew(const std::string& path) {
-  struct stat there {};
-  const bool isPlain = stat(path.c_str(), &there) != 0 || S_ISREG(there.st_mode);
-  const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC | (isPlain ? O_CREAT | O_EXCL : 0), 0666);
+  const system::FileKind kind = system::statusOf(path).kind;
+  const bool isPlain = kind == system::FileKind::missing || kind == system::FileKind::regular;
+  const int file = isPlain ? system::openNew(path) : system::openPipe(path);
   if (file < 0) throw Error(path + ": cannot make the recording: " + std::strerror(errno));
   return file;
 }
@@ -44,15 +40,13 @@ void copy(const JointVector& from, double (&to)[kMaxJoints]) noexcept {
 Recorder::Recorder(const std::string& path, RecordingHeader header, const HapticTick& tick)
     : path_(path), header_(std::move(header)), file_(openNew(path)) {
   write_ = [this](const char* bytes, std::size_t size) {
-    const ssize_t done = ::write(file_, bytes, size);
-    return done < 0 ? std::size_t{0} : static_cast<std::size_t>(done);
+    return static_cast<std::size_t>(std::max<std::int64_t>(0, system::writeSome(file_, bytes, size)));
   };
   try {
     start(tick);
   } catch (...) {
-    ::close(file_);
-    struct stat there {};
-    if (stat(path_.c_str(), &there) == 0 && S_ISREG(there.st_mode)) unlink(path_.c_str());
+    system::close(file_);
+    if (system::statusOf(path_).kind == system::FileKind::regular) system::remove(path_);
     throw;
   }
 }
@@ -172,13 +166,8 @@ bool Recorder::writeOut(const char* bytes, std::size_t size) noexcept {
 }
 
 void Recorder::run() noexcept {
-  pthread_setname_np(pthread_self(), "recorder");
-  // A broken pipe or a file size limit must be an error of write(), not the end of the process.
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGPIPE);
-  sigaddset(&signals, SIGXFSZ);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  system::nameThread("recorder");
+  system::makeWriteErrorsOrdinary();
   std::uint64_t now = 0;
   while (true) {
     const bool stopping = stop_.load(std::memory_order_acquire);  // read before filled_: nothing follows
@@ -235,8 +224,8 @@ RecordingResult Recorder::close() {
   result_.lost = lost() + added;
   if (written_.load() <= now) result_.problem = path_ + ": cannot write the recording: " + std::strerror(error_);
   if (file_ < 0) return result_;
-  if (!result_.problem.empty()) (void)!ftruncate(file_, static_cast<off_t>(bytes_ - done_));
-  if (::close(file_) != 0 && result_.problem.empty())
+  if (!result_.problem.empty()) (void)system::setSize(file_, bytes_ - done_);
+  if (!system::close(file_) && result_.problem.empty())
     result_.problem = path_ + ": cannot write the recording: " + std::strerror(errno);
   return result_;
 }

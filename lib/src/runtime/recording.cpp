@@ -1,9 +1,5 @@
 #include "enamel/runtime/recording.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -12,6 +8,7 @@
 #include <variant>
 
 #include "core/message.hpp"
+#include "core/system_file.hpp"
 #include "enamel/core/file.hpp"
 #include "recording_format.hpp"
 
@@ -216,8 +213,7 @@ RecordedTick tickOf(const TickBytes& t, int joints) {
 std::size_t readAt(int file, std::uint64_t at, char* bytes, std::size_t size, const std::string& path) {
   std::size_t done = 0;
   while (done < size) {
-    const ssize_t got = pread(file, bytes + done, size - done, static_cast<off_t>(at + done));
-    if (got < 0 && errno == EINTR) continue;
+    const std::int64_t got = system::readAt(file, at + done, bytes + done, size - done);
     if (got < 0) throw ConfigurationError(path, 0, "", std::string("cannot read the file: ") + std::strerror(errno));
     if (got == 0) break;
     done += static_cast<std::size_t>(got);
@@ -256,15 +252,13 @@ std::uint32_t meshChecksum(const Scene& scene) {
   return crc;
 }
 
-RecordingReader::RecordingReader(const std::string& path)
-    : path_(path), file_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
+RecordingReader::RecordingReader(const std::string& path) : path_(path), file_(system::openToRead(path)) {
   const auto refuse = [this](const std::string& problem) { throw ConfigurationError(path_, 0, "", problem); };
   if (file_ < 0) refuse(std::string("cannot open the file: ") + std::strerror(errno));
   try {
-    struct stat status {};
-    if (fstat(file_, &status) != 0) refuse(std::string("cannot read the file: ") + std::strerror(errno));
-    if (!S_ISREG(status.st_mode)) refuse("is not a regular file");
-    size_ = static_cast<std::uint64_t>(status.st_size);
+    const system::FileStatus status = system::statusOf(file_);
+    if (status.kind != system::FileKind::regular) refuse("is not a regular file");
+    size_ = status.size;
     char preamble[kPreamble] = {};
     if (size_ < kPreamble || readAt(file_, 0, preamble, kPreamble, path_) != kPreamble ||
         std::memcmp(preamble, kMagic, sizeof(kMagic)) != 0)
@@ -284,12 +278,12 @@ RecordingReader::RecordingReader(const std::string& path)
     chunkSize_ = sizeof(ChunkHead) + padded(header_.stateSize) + kChunkTicks * sizeof(TickBytes);
     chunks_ = (size_ - begin_ + chunkSize_ - 1) / chunkSize_;
   } catch (...) {
-    close(file_);
+    system::close(file_);
     throw;
   }
 }
 
-RecordingReader::~RecordingReader() { close(file_); }
+RecordingReader::~RecordingReader() { system::close(file_); }
 
 std::string RecordingReader::read(std::uint64_t number, RecordedChunk& chunk) {
   require(number < chunks_,

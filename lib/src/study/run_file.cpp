@@ -1,9 +1,5 @@
 #include "enamel/study/run_file.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -12,6 +8,7 @@
 #include <string_view>
 
 #include "core/message.hpp"
+#include "core/system_file.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 
@@ -146,15 +143,13 @@ RunFile::RunFile(const StudyPlan& plan, std::string path, bool resume, const Run
   if (plan.size() > kLargestRunFile / kLongestLine)
     throw Error(path_ + ": would hold " + std::to_string(plan.size()) + " runs, must be at most " +
                 std::to_string(kLargestRunFile / kLongestLine));
-  // Without O_NONBLOCK a pipe would wait for a reader.
-  if (const int number = open(path_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666); number >= 0)
-    file_.reset(fdopen(number, "ab"));
+  const int number = system::openToAppend(path_);
+  if (number >= 0) file_.reset(system::streamOf(number, "ab"));
   if (!file_) throw Error(path_ + ": cannot write the file: " + std::strerror(errno));
-  if (flock(fileno(file_.get()), LOCK_EX | LOCK_NB) != 0)
+  if (!system::lock(number))
     throw Error(path_ + ": cannot lock the file (does another study write it?): " + std::strerror(errno));
   const Content content = resume ? readContent(plan, path_, range) : Content{};
-  if (ftruncate(fileno(file_.get()), static_cast<off_t>(content.bytes)) != 0)
-    throw Error(path_ + ": cannot write the file: " + std::strerror(errno));
+  if (!system::setSize(number, content.bytes)) throw Error(path_ + ": cannot write the file: " + std::strerror(errno));
   finished_ = content.results.size();
   if (!content.header) write(runHeader());
 }

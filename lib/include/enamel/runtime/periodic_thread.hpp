@@ -18,14 +18,15 @@ struct PeriodicTiming {
   std::atomic<std::uint64_t> periods{0};  ///< number of calls
   /// Number of deadlines that passed while an earlier call was running.
   std::atomic<std::uint64_t> missed{0};
-  std::atomic<bool> realtime{false};  ///< the operating system granted SCHED_FIFO
+  std::atomic<bool> realtime{false};  ///< the operating system granted real-time priority
 };
 
 /// Call `work` once per period in a separate thread, from construction to destruction. Destruction takes up to 50 ms.
 ///
 /// The thread sleeps on CLOCK_MONOTONIC until absolute deadlines, so errors do not accumulate. It skips and counts
 /// missed deadlines and does not repeat them. It requests SCHED_FIFO at `priority`. If that is refused, it runs in the
-/// normal class with 1 ns of timer slack; see PeriodicTiming::realtime. `work` must not throw.
+/// normal class with 1 ns of timer slack; see PeriodicTiming::realtime. Windows: lib/docs/windows.md. `work` must not
+/// throw.
 class PeriodicThread {
  public:
   /// Throws Error if the period is outside 10 us to 10 s, or the thread cannot start. Realtime: no.

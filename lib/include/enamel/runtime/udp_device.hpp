@@ -11,6 +11,10 @@
 
 namespace enamel {
 
+namespace system {
+class UdpSocket;
+}
+
 inline constexpr std::uint16_t kDevicePort = 46464;
 
 /// The loop's end: a HapticDevice with remote motors and encoders. measure() takes the datagrams that have arrived and
@@ -37,7 +41,7 @@ class UdpDevice final : public HapticDevice {
 
  private:
   LinkClient client_;
-  int socket_;
+  std::unique_ptr<system::UdpSocket> socket_;
   Datagram datagram_{};
 };
 

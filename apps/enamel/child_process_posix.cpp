@@ -1,5 +1,3 @@
-#include "child_process.hpp"
-
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <poll.h>
@@ -16,6 +14,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "child_process.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel::app {

@@ -1,9 +1,9 @@
-#include "support/skip.hpp"
-
 #include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
+
+#include "support/skip.hpp"
 
 namespace enamel::test {
 
