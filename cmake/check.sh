@@ -1,8 +1,9 @@
 #!/bin/sh
 # Installs missing packages, builds, and runs every test: optimised with assertions by GCC, with sanitizers by Clang, and
 # with the thread sanitizer. GCC at -O3 and Clang at -O1 must give the same bits. `check.sh --long` runs the full counts
-# (millions of poses, soaks), compares the bits of the Debug build too, and attacks every surface (tests/attack). The
-# optimised tests run concurrently with the sanitized ones, because many of them wait for windows or for time.
+# (millions of poses, soaks), compares the bits of the Debug build too, attacks every surface (tests/attack), and tests
+# the build for Windows under Wine. The optimised tests run concurrently with the sanitized ones, because many of them
+# wait for windows or for time.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh
@@ -78,5 +79,7 @@ done
 if [ -n "${ENAMEL_LONG:-}" ]; then
   say "attacks"
   sh tests/attack/run.sh
+  say "windows"
+  sh cmake/windows.sh build/ci
 fi
 say "all checks passed"
