@@ -348,7 +348,7 @@ PackedScene packScene(const std::string& path) {
     if (value == nullptr) return;
     const std::string& file = **value->as_string();
     std::string name = "mesh-" + std::to_string(names.size()) + std::filesystem::u8path(file).extension().u8string();
-    packed.files.push_back({name, (folder / std::filesystem::u8path(file)).generic_u8string()});
+    packed.files.push_back({name, (folder / std::filesystem::u8path(file)).u8string()});
     names.push_back({offsetOf(packed.text, value->source().begin), offsetOf(packed.text, value->source().end),
                      '"' + std::move(name) + '"'});
   };

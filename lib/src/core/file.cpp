@@ -101,7 +101,7 @@ FileWriter::FileWriter(const std::string& path) : path_(path), target_(path), fi
     static std::atomic<unsigned> count{0};
     std::error_code ignored;
     if (exists && !system::isWritable(path)) fail();
-    if (exists) target_ = fs::canonical(fs::u8path(path), ignored).u8string();
+    if (const fs::path real = fs::canonical(fs::u8path(path), ignored); !real.empty()) target_ = real.u8string();
     while (!exists && fs::is_symlink(fs::u8path(target_), ignored)) {  // to a file that does not exist yet
       const fs::path link = fs::u8path(target_);
       target_ = (link.parent_path() / fs::read_symlink(link, ignored)).u8string();

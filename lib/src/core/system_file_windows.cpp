@@ -41,7 +41,8 @@ int openAs(const std::string& path, DWORD access, DWORD disposition, int flags) 
                                     nullptr, disposition, FILE_ATTRIBUTE_NORMAL, nullptr);
   if (handle == INVALID_HANDLE_VALUE) {
     keepError();
-    if (statusOf(path).kind == FileKind::folder) errno = EISDIR;
+    const int error = errno;
+    errno = statusOf(path).kind == FileKind::folder ? EISDIR : error;
     return -1;
   }
   const int file = _open_osfhandle(reinterpret_cast<std::intptr_t>(handle), flags | _O_BINARY | _O_NOINHERIT);
@@ -69,7 +70,9 @@ OVERLAPPED place(std::uint64_t offset) {
 
 FileStatus statusOf(const std::string& path) {
   struct _stat64 status {};
-  return _wstat64(wide(path).c_str(), &status) == 0 ? statusOf(status) : FileStatus{};
+  std::filesystem::path place = std::filesystem::u8path(path);
+  if (!place.has_filename() && place.has_relative_path()) place = place.parent_path();  // "folder/"
+  return _wstat64(place.c_str(), &status) == 0 ? statusOf(status) : FileStatus{};
 }
 
 FileStatus statusOf(int file) {
