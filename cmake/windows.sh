@@ -68,5 +68,6 @@ echo "== windows: tests under Wine"
 unset ENAMEL_LONG  # the full counts run on Linux
 WINEPREFIX=$PWD/build/windows-wine WINEDEBUG=-all
 export WINEPREFIX WINEDEBUG
+# Without hard.position_control: the C library decides one of its bounces (lib/docs/windows.md).
 ctest --preset windows -j 2 --timeout 3600
 [ -z "${1:-}" ] || python3 -B tests/windows.py "$1" build/windows
