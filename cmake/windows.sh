@@ -68,6 +68,7 @@ echo "== windows: tests under Wine"
 unset ENAMEL_LONG  # the full counts run on Linux
 WINEPREFIX=$PWD/build/windows-wine WINEDEBUG=-all
 export WINEPREFIX WINEDEBUG
+/usr/lib/wine/wine64 wineboot --init 2>/dev/null  # before two tests do it at the same time
 # Without hard.position_control: the C library decides one of its bounces (lib/docs/windows.md).
 ctest --preset windows -j 2 --timeout 3600
 [ -z "${1:-}" ] || python3 -B tests/windows.py "$1" build/windows
