@@ -82,6 +82,8 @@ std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std
     ImpedanceOptions options;
     of.read("stiffness", options.stiffness);
     of.read("damping", options.damping);
+    options.stiffness /= device->scale();  // forces are those at the hand
+    options.damping /= device->scale();
     auto wall = std::make_unique<ImpedanceRenderer>(options);
     if (name == kImpedance) return wall;
     return std::make_unique<PassivityRenderer>(std::move(wall));
@@ -105,7 +107,7 @@ std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std
   of.readFlag("release", options.release);
   of.readFlag("anti-windup", options.antiWindup);
   return std::make_unique<HoldRenderer>(
-      gain == "designed" ? ServoGain(designServo(device, Pose{}, period).K) : loadGain(gain, device->joints(), period),
+      gain == "designed" ? ServoGain(designServo(device, device->home().pose, period).K) : loadGain(gain, device->joints(), period),
       period, options);
 }
 
