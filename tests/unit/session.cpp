@@ -1,4 +1,5 @@
-// A session is what its parts are: same bits. Changes while the loop runs: obstacles, tool, renderer, frames, recording.
+// A session is what its parts are: same bits. Changes while the loop runs: obstacles, tool, renderer, frames,
+// recording.
 #include "enamel/session/session.hpp"
 
 #include <atomic>
@@ -68,6 +69,7 @@ struct Bench {
       measurement.buttons = buttons;
       status = session.tick(measurement, command);
       const Vec3 wrench = session.snapshot().wrench.head<3>();
+      sum += wrench;
       if (last.allFinite()) largestJump = std::max(largestJump, (wrench - last).norm());
       last = wrench;
       REQUIRE(device.actuate(command) == Status::ok);
@@ -77,6 +79,12 @@ struct Bench {
     }
   }
   double depth() const { return -device.state().position.z(); }
+  // Run, and return the mean of the rendered force.
+  Vec3 meanForce(int ticks) {
+    sum.setZero();
+    run(ticks);
+    return sum / ticks;
+  }
 
   Session session;
   VirtualDevice device;
@@ -85,6 +93,7 @@ struct Bench {
   double force = 4.0;  // N
   std::uint32_t buttons = 0;
   std::function<Vec6(const Pose&, const Vec6&)> hand;
+  Vec3 sum = Vec3::Zero();  // of the rendered forces, N
   Vec3 last = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   double largestJump = 0.0;  // of the rendered force between two ticks, N
 };
@@ -129,7 +138,7 @@ TEST_CASE("a session gives the same bits as the objects below it", "[session]") 
   const Snapshot now = bench.session.snapshot();
   CHECK(now.tick.number == 399);
   CHECK(now.tick.mode == RenderMode::contact);
-  CHECK(now.wrench[2] == Approx(4.0).margin(1.0));
+  CHECK(bench.meanForce(300)[2] == Approx(4.0).epsilon(0.05));
 }
 
 TEST_CASE("obstacles come and go while the tool presses one; the rendered force does not jump", "[session]") {
@@ -169,20 +178,20 @@ TEST_CASE("obstacles come and go while the tool presses one; the rendered force 
     CHECK(session.find("another") == next);
     CHECK_THROWS_WITH(session.add(ball("another", Vec3::Zero(), 1e-3)), ContainsSubstring("occurs twice"));
     session.move(next, Pose{{0.06, 0.0, 0.0}, Mat3::Identity()});
-    bench.run(50);
+    bench.run(150);
     CHECK(session.haptics().scene().scene().obstacles()[static_cast<std::size_t>(next.slot)].pose.position.x() ==
           Approx(0.06));
   }
   SECTION("without the wall, nothing holds the tool") {
     session.remove(wall);
-    bench.run(40);
+    bench.run(200);
     CHECK(bench.depth() > 0.5e-3);
     CHECK(bench.session.snapshot().contacts.count == 0);
     const auto ends = eventsOf(session, EventKind::contactEnd);
     REQUIRE(ends.size() == 1);
     CHECK(ends[0].obstacle == wall);
     // In about a second, 4 N without the approach.
-    CHECK(ends[0].impulse == Approx(4.0 * 1e-3 * static_cast<double>(ends[0].tick)).epsilon(0.15));
+    CHECK(ends[0].impulse == Approx(4.0 * 1e-3 * static_cast<double>(ends[0].tick)).epsilon(0.2));
   }
   SECTION("an inactive wall can be touched again") {
     session.activate(wall, false);
@@ -227,8 +236,8 @@ TEST_CASE("the renderer and the tool change in contact", "[session]") {
   (void)session.add(wallAt("wall", 0.0));
   bench.run(400);
   session.setRenderer(kImpedance, {{"stiffness", "2000"}});
-  bench.run(300);
-  CHECK(bench.depth() == Approx(4.0 / 2000.0).epsilon(0.2));
+  bench.run(1500);
+  CHECK(bench.depth() == Approx(4.0 / 2000.0).epsilon(0.1));
   session.setRenderer(kPositionControl);
   bench.run(500);
   CHECK(bench.depth() < 100e-6);
@@ -307,11 +316,11 @@ TEST_CASE("with a scale, force at the hand and motion of the device are the same
                                                other.session.snapshot().wrench.head<3>().norm()));
     }
     CAPTURE(scale, soft);
-    CHECK(one.depth() > 0.0);
+    CHECK(one.session.snapshot().contacts.count == 1);
     CHECK(furthest < 1e-6);
     CHECK(strongest < 0.2);
-    CHECK(other.session.snapshot().tick.pose.position.isApprox(
-        map.base.position + scale * (map.base.rotation * other.device.kinematics().pose.position), 1e-6));
+    const Vec3 inScene = map.base.position + scale * (map.base.rotation * other.device.kinematics().pose.position);
+    CHECK((other.session.snapshot().tick.pose.position - inScene).norm() < scale * 5e-6);  // the encoders' steps
     CHECK(other.session.snapshot().fault == GuardReason::none);
   }
 }
@@ -339,14 +348,14 @@ TEST_CASE("the clutch keeps the tool in the scene while the hand moves on", "[se
   CHECK((now.tick.pose.position - before).norm() < 0.1e-3);
   CHECK((bench.device.kinematics().pose.position - goal).norm() < 1e-3);
   bench.buttons = 0;
-  goal.z() -= 12e-3;  // 2 mm into the wall
+  goal.z() -= 20e-3;  // 10 mm into the wall
   bench.run(800);
   now = bench.session.snapshot();
   CHECK_FALSE(now.clutched);
   CHECK(std::abs(now.tick.pose.position.z()) < 0.1e-3);
   CHECK(now.tick.pose.position.x() == Approx(before.x()).margin(0.3e-3));
   CHECK(now.fault == GuardReason::none);
-  CHECK(now.wrench[2] == Approx(200.0 * 2e-3).epsilon(0.3));
+  CHECK(bench.meanForce(300)[2] == Approx(200.0 * 10e-3).epsilon(0.1));
 }
 
 TEST_CASE("centring leads the hand back to the middle, and only while it moves", "[session]") {
@@ -397,7 +406,7 @@ TEST_CASE("a session records, and the recording replays bit for bit", "[session]
     const auto renderer = makeLinked(reader.header().renderer, reader.header().parameters, mechanism, kPeriod);
     HapticTick tick(*mechanism, scene.scene, scene.tool, *renderer, reader.header().guard, reader.header().start);
     const ReplayResult replayed = replay(reader, tick);
-    CHECK(replayed.ticks == 300);
+    CHECK(replayed.ticks + replayed.restored == 300);
     CHECK(replayed.different == 0);
     CHECK(replayed.states);
   }
@@ -503,7 +512,10 @@ TEST_CASE("a definition out of range is refused with its reason", "[session]") {
   CHECK_THAT(refusal([](SessionDef& d) { d.device = "no such file"; }), ContainsSubstring("no such file"));
   CHECK_THAT(refusal([](SessionDef& d) { d.scene = "no such file"; }), ContainsSubstring("no such file"));
   CHECK_THAT(refusal([](SessionDef& d) { d.renderer = "no-such"; }), ContainsSubstring("no-such"));
-  CHECK_THAT(refusal([](SessionDef& d) { d.map = WorkspaceMap{Pose{}, 1000.0}; }), ContainsSubstring("the scale is 1000"));
+  CHECK_THAT(refusal([](SessionDef& d) {
+               d.map = WorkspaceMap{Pose{}, 1000.0};
+             }),
+             ContainsSubstring("the scale is 1000"));
   CHECK_THAT(refusal([](SessionDef& d) { d.bur = Bur{3, 0.05, 2000.0}; }), ContainsSubstring("the bur is part 3"));
 }
 

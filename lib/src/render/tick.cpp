@@ -126,7 +126,8 @@ void HapticTick::cut(double elapsed) noexcept {
   if (drill_ == nullptr) return;
   Vec3 force = Vec3::Zero();  // of the wall on the tool, W, N
   const Kinematics& k = frame_.kinematics;
-  if (frame_.output.mode == RenderMode::contact) force = mechanism_.scale() * wrenchOf(k, frame_.command - k.gravity).head<3>();
+  if (frame_.output.mode == RenderMode::contact)
+    force = mechanism_.scale() * wrenchOf(k, frame_.command - k.gravity).head<3>();
   drill_->cut(scene_.scene(), k.pose, force, elapsed, frame_.contacts);
 }
 

@@ -105,9 +105,9 @@ struct Session::Impl final : TickSink {
   // Callers, with the group's mutex.
   std::shared_ptr<session::Group> group;
   session::SessionTool tool_;
-  session::OwnSolids solids;                                   // of the newest world
-  RendererChoice choice;                                       // the newest; without a name: an own object
-  bool hasOwnTool = false;                                     // since setTool()
+  session::OwnSolids solids;  // of the newest world
+  RendererChoice choice;      // the newest; without a name: an own object
+  bool hasOwnTool = false;    // since setTool()
   mutable session::WorkQueue queue;
   std::unique_ptr<Recorder> recorder;
   std::unique_ptr<HapticLoop> loop;
@@ -123,12 +123,12 @@ struct Session::Impl final : TickSink {
   bool enabled = true, clutch = false, clutched = false, spins = false;
   bool isFrozen = false;  // the tool is held in the scene by moving the base
   Vec3 frozen = Vec3::Zero();
-  LoopTick ownTick;                            // of tick()
+  LoopTick ownTick;  // of tick()
   std::array<session::Touch, 16> touches;
   std::size_t touching = 0;
   GuardReason fault = GuardReason::none;
   bool isLost = false;
-  double lastTime = -1.0, lastCut = 0.0;       // s
+  double lastTime = -1.0, lastCut = 0.0;  // s
   std::uint64_t missed = 0, held = 0, dropped = 0, lostCuts = 0;
   RemovedVolume removed{}, unsent{};
   ObstacleId cutObstacle;

@@ -126,12 +126,12 @@ void Session::moveVertices(ObstacleId id, std::vector<int> vertices, std::vector
   const std::shared_ptr<MeshModel>& mesh = impl_->group->obstacles.meshes[slot];
   require(mesh != nullptr, name + "only a SessionObstacle::mesh can be edited");
   require(impl_->group->members.size() == 1, name + "two sessions share it; use replace()");
-  require(vertices.size() == positions.size(), name + std::to_string(vertices.size()) + " vertices and " +
-                                                   std::to_string(positions.size()) + " positions");
+  require(vertices.size() == positions.size(),
+          name + std::to_string(vertices.size()) + " vertices and " + std::to_string(positions.size()) + " positions");
   const auto count = static_cast<int>(mesh->mesh().vertices.size());  // constant while the session has the mesh
   for (const int vertex : vertices)
-    require(vertex >= 0 && vertex < count, name + "vertex " + std::to_string(vertex) + ", must be in 0 to " +
-                                               std::to_string(count - 1));
+    require(vertex >= 0 && vertex < count,
+            name + "vertex " + std::to_string(vertex) + ", must be in 0 to " + std::to_string(count - 1));
   for (const Vec3& position : positions) require(position.allFinite(), name + "a position is not finite");
   impl_->requireRoom();
   impl_->endRecording();
@@ -161,7 +161,9 @@ bool Session::takeChange(ObstacleId id, BrickChange& change) {
 
 void Session::record(const std::string& path) {
   const Lock lock(impl_->group->mutex);
-  const auto refuse = [](const char* what) { throw Error(std::string("session: ") + what + ", so a recording could not be replayed"); };
+  const auto refuse = [](const char* what) {
+    throw Error(std::string("session: ") + what + ", so a recording could not be replayed");
+  };
   require(!impl_->recorder, "session: a recording is under way; call stopRecording() first");
   if (impl_->mapped) refuse("it has a workspace map");
   if (impl_->group->members.size() > 1) refuse("it shares its obstacles");
@@ -176,7 +178,8 @@ void Session::record(const std::string& path) {
   header.sceneFile = impl_->def.scene;
   header.sceneText = impl_->sceneText;
   header.start = impl_->start;
-  nameRenderer(impl_->choice.name, impl_->choice.plugin, impl_->choice.parameters, impl_->group->obstacles.scene, header);
+  nameRenderer(impl_->choice.name, impl_->choice.plugin, impl_->choice.parameters, impl_->group->obstacles.scene,
+               header);
   impl_->requireRoom();
   impl_->awaitLoop();
   impl_->recorder = std::make_unique<Recorder>(path, std::move(header), *impl_->haptics);

@@ -49,15 +49,16 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
   requireNumber(def.rate, 10.0, 1e5, "the rate", " Hz");
   requireNumber(def.centring, 0.0, kMostCentring, "centring", "");
   requireNumber(def.clutchButton, -1, 31, "the clutch button", "");
-  require(def.maxForce >= 0.0, "session: the largest force is " + formatNumber(def.maxForce) + " N, must be at least 0");
+  require(def.maxForce >= 0.0,
+          "session: the largest force is " + formatNumber(def.maxForce) + " N, must be at least 0");
   require(!def.sharesWith || def.scene.empty(), "session: a scene file and sharesWith exclude each other");
   require(def.device.empty() || !def.mechanism, "session: a device file and a mechanism exclude each other");
   period = 1.0 / def.rate;
   if (!def.device.empty()) deviceText = readFile(def.device);
   if (def.device.empty() && !def.mechanism) deviceText = nominalDeviceText();
-  device = def.mechanism                ? def.mechanism
-           : def.device.empty()         ? makeMechanism(DeviceParameters(nominalDevice()))
-                                        : makeMechanism(parseDevice(deviceText, def.device));
+  device = def.mechanism        ? def.mechanism
+           : def.device.empty() ? makeMechanism(DeviceParameters(nominalDevice()))
+                                : makeMechanism(parseDevice(deviceText, def.device));
   if (def.map || def.clutchButton >= 0 || def.centring > 0.0)
     mapped = std::make_shared<MappedMechanism>(device, def.map.value_or(WorkspaceMap{}));
   join(def);

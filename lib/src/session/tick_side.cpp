@@ -156,10 +156,10 @@ void Session::Impl::watchContacts(const LoopTick& tick, const TickFrame& frame) 
     touch->last = time;
     touch->point = contact.point;
     touch->normal = contact.normal;
-    touch->impulse += period * std::max(0.0, contact.normal.dot(force));
   }
   for (std::size_t i = 0; i < touching;) {
-    const Touch& touch = touches[i];
+    Touch& touch = touches[i];
+    touch.impulse += period * std::max(0.0, touch.normal.dot(force));
     if (exists(touch.obstacle) && time - touch.last < kEndOfContact && time >= touch.last) {
       ++i;
       continue;

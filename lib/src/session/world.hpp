@@ -12,11 +12,12 @@
 
 namespace enamel::session {
 
-/// The obstacles as callers know them. An obstacle that was removed leaves an inactive one until its slot is used again.
+/// The obstacles as callers know them. An obstacle that was removed leaves an inactive one until its slot is used
+/// again.
 struct Obstacles {
   Scene scene;
-  std::vector<std::uint32_t> generation;           // by slot; 0: free
-  std::vector<std::shared_ptr<MeshModel>> meshes;  // by slot: can be edited; may be null
+  std::vector<std::uint32_t> generation;             // by slot; 0: free
+  std::vector<std::shared_ptr<MeshModel>> meshes;    // by slot: can be edited; may be null
   std::vector<std::shared_ptr<const Solid>> solids;  // by slot: uncut originals of copies; may be null
 };
 
@@ -34,8 +35,8 @@ struct OwnSolids {
 
 /// What the loop of one session works with. Built on a caller's thread; the loop exchanges it as a whole.
 struct World : OwnSolids {
-  Scene scene;                                 // stated poses, from the callers and from beforeTick
-  std::vector<std::uint32_t> generation;       // by slot
+  Scene scene;                            // stated poses, from the callers and from beforeTick
+  std::vector<std::uint32_t> generation;  // by slot
   std::vector<std::shared_ptr<Solid>> forDrill;
   std::unique_ptr<TickScene> tick;  // refers to `scene`
   std::unique_ptr<Drill> drill;     // null: no bur

@@ -11,8 +11,8 @@ namespace enamel {
 
 /// A call of Solid::cut().
 struct SolidCut {
-  int obstacle = -1;   ///< number in the scene; -1: nothing was cut
-  Segment from, to;    ///< axis of the bur in the frame of the solid, m
+  int obstacle = -1;    ///< number in the scene; -1: nothing was cut
+  Segment from, to;     ///< axis of the bur in the frame of the solid, m
   double radius = 0.0;  ///< m
 };
 

@@ -14,8 +14,9 @@
 namespace enamel {
 
 /// The ticks of one device and one tool. The object owns the frame and all data that last from tick to tick. It refers
-/// to mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks. A host may set their poses
-/// at every tick or at frame rate. SceneMotion computes the poses that a tick uses. exchange() brings another scene.
+/// to mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks. A host may set their
+/// poses at every tick or at frame rate. SceneMotion computes the poses that a tick uses. exchange() brings another
+/// scene.
 ///
 /// A tick has no new sample if Measurement::age is above 0 or the time stamp repeats. It then keeps kinematics and
 /// contacts of the last tick. The renderer predicts, and the drill does not cut. The guard accepts up to
@@ -100,7 +101,7 @@ class HapticTick {
   Guard guard_;
   TickFrame frame_;
   Vec6 effect_ = Vec6::Zero();
-  bool effectActed_ = false;  // at the last tick
+  bool effectActed_ = false;    // at the last tick
   double sampleTime_ = kNever;  // of the last sample, s
   Drill* drill_ = nullptr;
 };

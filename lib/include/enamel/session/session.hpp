@@ -98,23 +98,23 @@ class Session {
   /// Set the effect of HapticTick::setEffect(), N and N m at the hand, in the axes of the scene.
   void setEffect(const Vec6& wrench);
 
-  void spin(bool on);     ///< start or stop the bur
-  void clutch(bool on);   ///< as the clutch button
-  void enable(bool on);   ///< render, or ramp out
-  void reset();           ///< continue after a fault of the guard
+  void spin(bool on);    ///< start or stop the bur
+  void clutch(bool on);  ///< as the clutch button
+  void enable(bool on);  ///< render, or ramp out
+  void reset();          ///< continue after a fault of the guard
 
   /// Record ticks to a file. Throws Error as Recorder, and if the recording could not be replayed. That is so with a
   /// WorkspaceMap, with shared obstacles, if the definition has no device file, or if the scene was changed since it
-  /// was loaded. A change of the scene, the tool or the renderer ends the recording. stopRecording() returns its result;
-  /// without a recording, an empty one.
+  /// was loaded. A change of the scene, the tool or the renderer ends the recording. stopRecording() returns its
+  /// result; without a recording, an empty one.
   void record(const std::string& path);
   RecordingResult stopRecording();
 
   // Access to the objects below.
 
-  const Mechanism& mechanism() const noexcept;  ///< of the device, without the map
-  Pose start() const noexcept;                  ///< of the device at the first tick, without the map
-  double period() const noexcept;               ///< s
+  const Mechanism& mechanism() const noexcept;             ///< of the device, without the map
+  Pose start() const noexcept;                             ///< of the device at the first tick, without the map
+  double period() const noexcept;                          ///< s
   const std::vector<std::string>& notes() const noexcept;  ///< of the scene file
 
   /// Return the haptic tick. Only on the thread of tick() or of SessionDef::beforeTick, or while no loop runs.

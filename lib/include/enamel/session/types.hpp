@@ -65,19 +65,19 @@ struct SessionDef {
 
 /// State of a session after one tick. Plain data, in the frame of the scene. Forces are those at the hand.
 struct Snapshot {
-  LoopTick tick;                     ///< pose and twist of the tool, measurement, command, mode, reasons, statuses
-  ContactSnapshot contacts;          ///< near contacts, the deepest first
-  Vec6 wrench = Vec6::Zero();        ///< of the rendered part on the tool at the TCP, N and N m
-  Vec3 base = Vec3::Zero();          ///< WorkspaceMap::base.position: changes with the clutch
+  LoopTick tick;               ///< pose and twist of the tool, measurement, command, mode, reasons, statuses
+  ContactSnapshot contacts;    ///< near contacts, the deepest first
+  Vec6 wrench = Vec6::Zero();  ///< of the rendered part on the tool at the TCP, N and N m
+  Vec3 base = Vec3::Zero();    ///< WorkspaceMap::base.position: changes with the clutch
   GuardReason fault = GuardReason::none;
-  bool enabled = true;               ///< by Session::enable() and by the device
-  bool clutched = false;             ///< the tool is frozen
-  bool spins = false;                ///< the bur spins
-  RemovedVolume removed{};           ///< material removed by this session since its start, m^3 by layer
-  std::uint64_t missed = 0;          ///< deadlines that passed without a tick; see PeriodicTiming
-  std::uint64_t held = 0;            ///< periods without a new sample
-  std::uint64_t droppedEvents = 0;   ///< events without room in the queue
-  std::uint64_t lostCuts = 0;        ///< cuts that another session did not take in time: its solids have more material
+  bool enabled = true;              ///< by Session::enable() and by the device
+  bool clutched = false;            ///< the tool is frozen
+  bool spins = false;               ///< the bur spins
+  RemovedVolume removed{};          ///< material removed by this session since its start, m^3 by layer
+  std::uint64_t missed = 0;         ///< deadlines that passed without a tick; see PeriodicTiming
+  std::uint64_t held = 0;           ///< periods without a new sample
+  std::uint64_t droppedEvents = 0;  ///< events without room in the queue
+  std::uint64_t lostCuts = 0;       ///< cuts that another session did not take in time: its solids have more material
 };
 
 /// What happened in a tick.
@@ -101,10 +101,10 @@ struct SessionEvent {
   Vec3 point = Vec3::Zero();   ///< of the contact in the scene, m
   Vec3 normal = Vec3::Zero();  ///< of the obstacle
   double speed = 0.0;          ///< contactBegin: speed of the tool against the surface, m/s
-  double impulse = 0.0;        ///< contactEnd: integral of the rendered force along the normal, at the hand, N s
+  double impulse = 0.0;        ///< contactEnd: integral of the whole rendered force along the normal, at the hand, N s
   GuardReason reason = GuardReason::none;
-  RemovedVolume removed{};   ///< m^3 by layer
-  std::uint64_t count = 0;   ///< of `missed`
+  RemovedVolume removed{};  ///< m^3 by layer
+  std::uint64_t count = 0;  ///< of `missed`
 };
 
 /// Return the name of a kind in plain words. Realtime: yes.
