@@ -215,6 +215,21 @@ TEST_CASE("the guard's limits for the device are right under a map", "[session_r
   CHECK_THROWS_WITH(Session(def), ContainsSubstring("a box for the guard"));
 }
 
+TEST_CASE("the largest force of a scene file holds for all sessions of the scene", "[session_recording]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "soft.toml",
+                  "name = \"soft\"\nstart = [0.0, 0.0, 0.001]\nmax_force = 2.5\n[[obstacle]]\nname = \"wall\"\n"
+                  "shape = \"half_space\"\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\n");
+  SessionDef def;
+  def.scene = folder / "soft.toml";
+  SessionDef second;
+  second.sharesWith = std::make_shared<Session>(def);
+  CHECK(second.sharesWith->haptics().guard().options().force == 2.5);
+  CHECK(Session(second).haptics().guard().options().force == 2.5);
+  second.maxForce = 1.0;
+  CHECK(Session(second).haptics().guard().options().force == 1.0);
+}
+
 TEST_CASE("a snapshot under a scale has the stated material", "[session_recording]") {
   SessionDef def = definition();
   def.map = WorkspaceMap{Pose{}, 0.1};

@@ -35,6 +35,7 @@ struct Group {
   std::mutex mutex;
   Obstacles obstacles;
   std::uint32_t lastGeneration = 0;  // or revision
+  double maxForce = kUnlimited;      // of the scene file, N
   std::vector<Session::Impl*> members;
 };
 
@@ -60,7 +61,7 @@ struct Session::Impl final : TickSink {
   explicit Impl(const SessionDef& def);
   ~Impl() override;
 
-  // Callers, with the group's mutex.
+  // Callers, with the group's mutex; choose() and select() without.
   template <typename Function>
   void post(Function function) {
     queue.post(std::move(function), isLive() && std::this_thread::get_id() != ownThread);

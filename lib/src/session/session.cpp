@@ -29,6 +29,7 @@ constexpr double kMostCentring = 0.5;
 // The first obstacles of a session: those of its scene file.
 std::shared_ptr<Group> groupOf(const SceneFile& file) {
   auto group = std::make_shared<Group>();
+  group->maxForce = file.maxForce;
   Obstacles& all = group->obstacles;
   all.scene = file.scene;
   all.meshes = file.meshes;
@@ -115,18 +116,19 @@ void Session::Impl::join(const SessionDef& definition) {
     const Lock lock(group->mutex);
     for (Impl* member : group->members)
       require(!member->hasRun, "session: sharesWith needs sessions that have not run yet");
+    def.maxForce = std::min(def.maxForce, group->maxForce);
     return;
   }
   SceneFile file;
   if (!definition.scene.empty()) {
     sceneText = readFile(definition.scene);
     file = parseScene(sceneText, definition.scene);
-    def.maxForce = std::min(def.maxForce, file.maxForce);
     notes = file.notes;
     if (!definition.tool) tool_.tool = file.tool;
     if (!definition.tool && !definition.bur) tool_.bur = file.bur;
     if (!definition.start) start.position = file.start;
   }
+  def.maxForce = std::min(def.maxForce, file.maxForce);
   group = groupOf(file);
 }
 
@@ -208,7 +210,8 @@ void Session::Impl::changeObstacles(Obstacles next) {
 }
 
 void Session::Impl::select(RendererChoice next) {
-  next.renderer->activate(period);
+  next.renderer->activate(period);  // may take long: before other callers have to wait
+  const Lock lock(group->mutex);
   requireRoom();
   std::swap(choice, next);
   post([this, renderer = choice.renderer.get(), old = std::move(next.renderer)]() noexcept {
@@ -297,13 +300,11 @@ void Session::setTool(const Tool& tool, const std::optional<Bur>& bur) {
 }
 
 void Session::setRenderer(const std::string& name, const std::map<std::string, std::string>& parameters) {
-  const Lock lock(impl_->group->mutex);
   impl_->select(impl_->choose(name, parameters));
 }
 
 void Session::setRenderer(std::unique_ptr<Renderer> renderer) {
   require(renderer != nullptr, "session: the renderer is null");
-  const Lock lock(impl_->group->mutex);
   Impl::RendererChoice own;
   own.renderer = std::move(renderer);
   impl_->select(std::move(own));

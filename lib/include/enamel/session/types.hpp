@@ -32,8 +32,8 @@ struct ObstacleId {
 /// An obstacle for a session. `mesh` or `solid`, if set, replaces the shape: a mesh that can be edited, or a solid that
 /// a bur can cut. The session cuts a copy of the solid.
 struct SessionObstacle : Obstacle {
-  std::shared_ptr<MeshModel> mesh;
-  std::shared_ptr<const Solid> solid;
+  std::shared_ptr<MeshModel> mesh = nullptr;
+  std::shared_ptr<const Solid> solid = nullptr;
 };
 
 /// Definition of a session. Every member has a default.
