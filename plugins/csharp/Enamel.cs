@@ -200,7 +200,7 @@ namespace Enamel
         public UIntPtr parameter_count;
         public IntPtr plugin_folder;
         public double rate;
-        public IntPtr base;
+        public IntPtr @base;
         public double scale;
         public double centring;
         public double max_force;
@@ -252,7 +252,7 @@ namespace Enamel
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 6)] public double[] twist;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 6)] public double[] wrench;
         public double normal_force;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] base;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] @base;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] q;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] command;
         public double gripper;
@@ -333,7 +333,7 @@ namespace Enamel
         public static extern int enamel_snapshot(IntPtr session, ref EnamelSnapshot snapshot);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        public static extern int enamel_next_event(IntPtr session, ref EnamelEvent event);
+        public static extern int enamel_next_event(IntPtr session, ref EnamelEvent @event);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_add(IntPtr session, ref EnamelObstacleDef def, ref EnamelObstacle obstacle);

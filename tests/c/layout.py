@@ -219,6 +219,9 @@ class CSharp:
     def plain(self, member):
         return CSHARP_TYPES.get(member.base, member.base)
 
+    def name(self, member):
+        return ("@" if member.name in ("base", "event") else "") + member.name
+
     def parameter(self, member):
         h = self.header
         if member.function:
@@ -245,7 +248,7 @@ class CSharp:
                 kind = "IntPtr"
             if a.base == "char":
                 kind = "IntPtr"
-            kinds.append(kind + " " + (a.name or "value"))
+            kinds.append(kind + " " + (self.name(a) or "value"))
         return ["    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]",
                 "    public delegate %s %s(%s);" % (self.plain(result), name, ", ".join(kinds)), ""]
 
@@ -267,14 +270,14 @@ class CSharp:
                 if member.function:
                     out.append("        [MarshalAs(UnmanagedType.FunctionPtr)] public %s_%s %s;" % (name, member.name, member.name))
                 elif member.base in h.callbacks:
-                    out.append("        public IntPtr %s;" % member.name)
+                    out.append("        public IntPtr %s;" % self.name(member))
                 elif member.pointers:
-                    out.append("        public IntPtr %s;" % member.name)
+                    out.append("        public IntPtr %s;" % self.name(member))
                 elif member.arrays:
                     out.append("        [MarshalAs(UnmanagedType.ByValArray, SizeConst = %d)] public %s[] %s;"
-                               % (member.count, self.plain(member), member.name))
+                               % (member.count, self.plain(member), self.name(member)))
                 else:
-                    out.append("        public %s %s;" % (self.plain(member), member.name))
+                    out.append("        public %s %s;" % (self.plain(member), self.name(member)))
             out += ["    }", ""]
         out += ["    public static class Native", "    {", "        const string Library = \"enamel\";", ""]
         for result, name, arguments in h.functions:
@@ -285,7 +288,7 @@ class CSharp:
                 kind = a.base if a.base in h.callbacks else self.parameter(a)
                 if kind == "ref EnamelParameter":
                     kind = "EnamelParameter[]"
-                kinds.append("%s %s" % (kind, a.name))
+                kinds.append("%s %s" % (kind, self.name(a)))
             returned = "IntPtr" if result.pointers else self.plain(result)
             out += ["        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]",
                     "        public static extern %s %s(%s);" % (returned, name, ", ".join(kinds)), ""]

@@ -1,6 +1,7 @@
-/* A host in C99: an own mesh as an obstacle, a push on the virtual device, and the torques of every tick as hexadecimal
- * numbers. The other clients (push.py, Push.cs, tests/unit/c_interface.cpp) print the same. */
+/* A host in C99: an own mesh as an obstacle, a push on the virtual device, and the bits of the torques of every
+ * tick. The other clients (push.py, Push.cs, tests/unit/c_interface.cpp) print the same. */
 #include <enamel/enamel.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -51,7 +52,11 @@ int main(void) {
     wrench[2] -= 2.0;
     enamel_virtual_actuate(device, effort);
     if (enamel_virtual_advance(device, wrench) != ENAMEL_OK) return 1;
-    for (j = 0; j < 6; ++j) printf("%a%c", effort[j], j < 5 ? ' ' : '\n');
+    for (j = 0; j < 6; ++j) {
+      uint64_t bits;
+      memcpy(&bits, &effort[j], sizeof bits);
+      printf("%016" PRIx64 "%c", bits, j < 5 ? ' ' : '\n');
+    }
   }
   enamel_virtual_destroy(device);
   enamel_session_destroy(session);

@@ -9,7 +9,8 @@
  * Conventions:
  * - All numbers are SI. Rotations are 3 x 3 matrices, row by row. The frame is that of the scene: x right, y up, z from
  *   the wall to the user (enamel_frame_from_unity() converts).
- * - Every struct with a `size` is initialised with its sizeof. Arrays of joints have entries up to the number of joints.
+ * - Every struct with a `size` is initialised with its sizeof. Arrays of joints have entries up to the number of
+ * joints.
  * - Functions return ENAMEL_OK or an error (EnamelResult, EnamelFailure). After an error nothing has changed, and
  *   enamel_message() has the reason. NULL as a handle gives ENAMEL_NULL.
  * - Threads: "any" functions may be called from any thread while the loop runs. They never make the loop wait.
@@ -46,9 +47,9 @@ extern "C" {
 
 /* Further results. */
 enum EnamelFailure {
-  ENAMEL_FAILED = 100,  /* see enamel_message() */
-  ENAMEL_NULL = 101,    /* a handle or a required pointer is NULL */
-  ENAMEL_SIZE = 102,    /* the `size` of a struct is not known: initialise it, or the header is newer than the library */
+  ENAMEL_FAILED = 100, /* see enamel_message() */
+  ENAMEL_NULL = 101,   /* a handle or a required pointer is NULL */
+  ENAMEL_SIZE = 102,   /* the `size` of a struct is not known: initialise it, or the header is newer than the library */
   ENAMEL_NOTHING = 103, /* no event, or no change, is waiting */
   ENAMEL_STOPPED = 104  /* of a tick: the guard has latched a fault */
 };
@@ -99,17 +100,17 @@ typedef struct EnamelBur {
 /* One measurement of a device. */
 typedef struct EnamelMeasurement {
   uint32_t size;
-  int32_t age;           /* periods since the last sample; above 0: q, rates and applied are ignored */
-  double time;           /* s, strictly increasing */
+  int32_t age;                       /* periods since the last sample; above 0: q, rates and applied are ignored */
+  double time;                       /* s, strictly increasing */
   double q[ENAMEL_MAX_JOINTS];       /* rad or m */
   double rates[ENAMEL_MAX_JOINTS];   /* rad/s or m/s */
   double applied[ENAMEL_MAX_JOINTS]; /* torque that acted since the last measurement, N m or N */
-  double gripper;        /* opening angle, rad; see has_gripper */
-  int32_t applied_known; /* 0: the device does not report it */
+  double gripper;                    /* opening angle, rad; see has_gripper */
+  int32_t applied_known;             /* 0: the device does not report it */
   int32_t has_gripper;
-  int32_t enabled;       /* the user's enable; 1 if the device has none */
-  int32_t failed;        /* 1: the driver cannot continue */
-  uint32_t buttons;      /* bit i: button i is pressed */
+  int32_t enabled;  /* the user's enable; 1 if the device has none */
+  int32_t failed;   /* 1: the driver cannot continue */
+  uint32_t buttons; /* bit i: button i is pressed */
   uint32_t reserved;
 } EnamelMeasurement;
 
@@ -165,14 +166,14 @@ typedef struct EnamelSessionDef {
   const char* renderer;             /* name of a linked renderer or a plugin, or a plugin's path */
   const EnamelParameter* parameters;
   size_t parameter_count;
-  const char* plugin_folder; /* NULL: plugins by path only */
-  double rate;               /* Hz */
-  const EnamelPose* base;    /* of the device in the scene; NULL: frames are the same */
-  double scale;              /* metres of the tool per metre of the device */
-  double centring;           /* 0 to 0.5 */
-  double max_force;          /* at the hand, N; infinite: no limit */
-  int32_t priority;          /* SCHED_FIFO */
-  int32_t lock_memory;       /* 1: lock memory while the loop runs */
+  const char* plugin_folder;  /* NULL: plugins by path only */
+  double rate;                /* Hz */
+  const EnamelPose* base;     /* of the device in the scene; NULL: frames are the same */
+  double scale;               /* metres of the tool per metre of the device */
+  double centring;            /* 0 to 0.5 */
+  double max_force;           /* at the hand, N; infinite: no limit */
+  int32_t priority;           /* SCHED_FIFO */
+  int32_t lock_memory;        /* 1: lock memory while the loop runs */
   EnamelSession* shares_with; /* NULL, or another session that has not run yet: both have its obstacles */
   void (*before_tick)(void* user, EnamelTickAccess* access); /* NULL, or called before each tick on the loop's thread */
   void* user;
@@ -231,10 +232,10 @@ typedef struct EnamelSnapshot {
   double gripper;                    /* rad; NaN: none */
   double removed[ENAMEL_MAX_LAYERS]; /* material removed since the start, m^3 by layer */
   uint64_t missed, held, dropped_events, lost_cuts;
-  int32_t mode;                      /* EnamelMode */
-  int32_t status;                    /* EnamelResult of the tick, or ENAMEL_STOPPED */
-  int32_t reason;                    /* of the guard for this tick: enamel_reason_text() */
-  int32_t fault;                     /* latched; 0: none */
+  int32_t mode;   /* EnamelMode */
+  int32_t status; /* EnamelResult of the tick, or ENAMEL_STOPPED */
+  int32_t reason; /* of the guard for this tick: enamel_reason_text() */
+  int32_t fault;  /* latched; 0: none */
   int32_t enabled, clutched, spins;
   uint32_t buttons;
   int32_t contact_count;
@@ -349,8 +350,9 @@ ENAMEL_API int32_t enamel_virtual_actuate(EnamelVirtualDevice* device, const dou
 ENAMEL_API int32_t enamel_virtual_advance(EnamelVirtualDevice* device, const double* wrench);
 ENAMEL_API int32_t enamel_virtual_state(EnamelVirtualDevice* device, EnamelPose* pose, double* twist);
 
-/* Convert between Enamel's frame and that of Unity (left-handed: x right, y up, z away from the user), in place. A point
- * or direction has 3 numbers. A rotation (9 numbers) of Unity is that of a matrix; quaternions have x, y, z, w. */
+/* Convert between Enamel's frame and that of Unity (left-handed: x right, y up, z away from the user), in place. A
+ * point or direction has 3 numbers. A rotation (9 numbers) of Unity is that of a matrix; quaternions have x, y, z, w.
+ */
 ENAMEL_API void enamel_vector_from_unity(double* vector);
 ENAMEL_API void enamel_vector_to_unity(double* vector);
 ENAMEL_API void enamel_rotation_from_unity(const double* quaternion, double* rotation);

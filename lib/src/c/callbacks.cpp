@@ -69,7 +69,8 @@ class OwnMechanism final : public Mechanism {
     for (const auto& [time, state] : {std::pair<double, Kinematics*>{-kStep, &before}, {kStep, &after}})
       if (const Status status = track(now.q + time * now.rates, now.rates, false, *state); status != Status::ok)
         return status;
-    acceleration += (enamel::twistOf(after.jacobian, now.rates) - enamel::twistOf(before.jacobian, now.rates)) / (2.0 * kStep);
+    acceleration +=
+        (enamel::twistOf(after.jacobian, now.rates) - enamel::twistOf(before.jacobian, now.rates)) / (2.0 * kStep);
     return Status::ok;
   }
 
@@ -105,7 +106,8 @@ class OwnDevice final : public HapticDevice {
     const std::int32_t result = callbacks_.open(callbacks_.user, {text.data(), text.size()});
     text.back() = 0;
     if (result != ENAMEL_OK)
-      throw Error("the device does not open, code " + std::to_string(result) + (text[0] != 0 ? ": " : "") + text.data());
+      throw Error("the device does not open, code " + std::to_string(result) + (text[0] != 0 ? ": " : "") +
+                  text.data());
   }
   void close() noexcept override {
     if (callbacks_.close != nullptr) callbacks_.close(callbacks_.user);

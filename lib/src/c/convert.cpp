@@ -19,7 +19,8 @@ const Struct& known(const Struct& given, const char* name) {
 TriangleMesh meshOf(const EnamelObstacleDef& def) {
   require(def.vertices != nullptr && def.triangles != nullptr, "a mesh needs vertices and triangles");
   TriangleMesh mesh;
-  for (std::size_t i = 0; i < def.vertex_count; ++i) mesh.vertices.emplace_back(Eigen::Map<const Vec3>(def.vertices + 3 * i));
+  for (std::size_t i = 0; i < def.vertex_count; ++i)
+    mesh.vertices.emplace_back(Eigen::Map<const Vec3>(def.vertices + 3 * i));
   for (std::size_t i = 0; i < def.triangle_count; ++i)
     mesh.triangles.push_back({def.triangles[3 * i], def.triangles[3 * i + 1], def.triangles[3 * i + 2]});
   return mesh;

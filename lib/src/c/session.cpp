@@ -27,8 +27,7 @@ struct EnamelTickAccess {
 
 namespace {
 
-constexpr std::uint32_t kVersion =
-    ENAMEL_VERSION_MAJOR * 65536U + ENAMEL_VERSION_MINOR * 256U + ENAMEL_VERSION_PATCH;
+constexpr std::uint32_t kVersion = ENAMEL_VERSION_MAJOR * 65536U + ENAMEL_VERSION_MINOR * 256U + ENAMEL_VERSION_PATCH;
 
 void copyText(const std::string& text, const EnamelMessage& message) noexcept {
   if (message.text == nullptr || message.size == 0) return;
