@@ -4,112 +4,32 @@
 
 #include <atomic>
 #include <cmath>
-#include <filesystem>
 #include <thread>
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/plugin/renderer_source.hpp"
-#include "enamel/runtime/replay.hpp"
 #include "enamel/sim/hand.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
 #include "support/devices.hpp"
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
+#include "support/session_bench.hpp"
 
 namespace enamel::test_session {
 
+using test::ball;
+using test::Bench;
 using test::ContainsSubstring;
+using test::cube;
+using test::definition;
+using test::eventsOf;
+using test::pushing;
+using test::wallAt;
 
 namespace {
 
 constexpr double kPeriod = 1e-3;
-
-Vec6 pushing(double force, const Pose& start, const Pose& pose, const Vec6& twist) {
-  Vec6 wrench = guidingWrench(pose, twist, start, Vec3::UnitZ());
-  wrench[2] -= force + 3.0 * twist[2];
-  return wrench;
-}
-
-SessionObstacle wallAt(const std::string& name, double z) {
-  SessionObstacle wall;
-  static_cast<Obstacle&>(wall) = halfSpace(name, {0.0, 0.0, z}, Vec3::UnitZ());
-  return wall;
-}
-
-SessionObstacle ball(const std::string& name, const Vec3& centre, double radius) {
-  SessionObstacle ball;
-  ball.name = name;
-  ball.shape = Sphere{radius};
-  ball.pose.position = centre;
-  return ball;
-}
-
-SessionDef definition() {
-  SessionDef def;
-  def.start.emplace();
-  def.start->position.z() = 0.5e-3;
-  return def;
-}
-
-// A session in an own loop on a virtual device, under a hand that pushes along -z. The device's frame may differ.
-struct Bench {
-  explicit Bench(const SessionDef& def) : session(def), device(session.mechanism(), setupOf(session)) {}
-  static VirtualDeviceSetup setupOf(const Session& session) {
-    VirtualDeviceSetup setup;
-    setup.start = session.start();
-    setup.encoders = {true, RateSource::lowPass};
-    return setup;
-  }
-  void run(int ticks) {
-    for (int i = 0; i < ticks; ++i) {
-      Measurement measurement;
-      REQUIRE(device.measure(measurement) == Status::ok);
-      measurement.buttons = buttons;
-      status = session.tick(measurement, command);
-      const Vec3 wrench = session.snapshot().wrench.head<3>();
-      sum += wrench;
-      if (last.allFinite()) largestJump = std::max(largestJump, (wrench - last).norm());
-      last = wrench;
-      REQUIRE(device.actuate(command) == Status::ok);
-      REQUIRE(device.advance([this](double, const Pose& pose, const Vec6& twist) -> Vec6 {
-        return hand ? hand(pose, twist) : pushing(force, session.start(), pose, twist);
-      }) == Status::ok);
-    }
-  }
-  double depth() const { return -device.state().position.z(); }
-  // Run, and return the mean of the rendered force.
-  Vec3 meanForce(int ticks) {
-    sum.setZero();
-    run(ticks);
-    return sum / ticks;
-  }
-
-  Session session;
-  VirtualDevice device;
-  Command command;
-  Status status = Status::ok;
-  double force = 4.0;  // N
-  std::uint32_t buttons = 0;
-  std::function<Vec6(const Pose&, const Vec6&)> hand;
-  Vec3 sum = Vec3::Zero();  // of the rendered forces, N
-  Vec3 last = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
-  double largestJump = 0.0;  // of the rendered force between two ticks, N
-};
-
-std::vector<SessionEvent> eventsOf(Session& session, EventKind kind) {
-  std::vector<SessionEvent> found;
-  for (SessionEvent event; session.nextEvent(event);)
-    if (event.kind == kind) found.push_back(event);
-  return found;
-}
-
-std::shared_ptr<const Solid> cube() {
-  const MeshModel surface(test::boxMesh(Vec3::Constant(4e-3)));
-  return std::make_shared<const Solid>(surface, std::vector<SolidLayer>{{"stuff", Material{}, 0.2e9, 0.0, nullptr}},
-                                       SolidOptions{2e-4, 64});
-}
 
 }  // namespace
 
@@ -387,38 +307,6 @@ TEST_CASE("centring leads the hand back to the middle, and only while it moves",
   CHECK((bench.session.snapshot().base - base).norm() < 10e-6);
 }
 
-TEST_CASE("a session records, and the recording replays bit for bit", "[session]") {
-  const test::TemporaryFolder folder;
-  SessionDef def = definition();
-  def.scene = ENAMEL_SOURCE_DIR "/data/scenes/flat-wall.toml";
-  Bench bench(def);
-  bench.run(50);
-  bench.session.record(folder / "run.enr");
-  CHECK_THROWS_WITH(bench.session.record(folder / "other.enr"), ContainsSubstring("under way"));
-  bench.run(300);
-  SECTION("until it is stopped") {
-    const RecordingResult result = bench.session.stopRecording();
-    CHECK(result.ticks == 300);
-    CHECK(result.problem.empty());
-    RecordingReader reader(folder / "run.enr");
-    const auto mechanism = makeMechanism(parseDevice(reader.header().deviceText, reader.header().deviceFile));
-    const SceneFile scene = parseScene(reader.header().sceneText, reader.header().sceneFile);
-    const auto renderer = makeLinked(reader.header().renderer, reader.header().parameters, mechanism, kPeriod);
-    HapticTick tick(*mechanism, scene.scene, scene.tool, *renderer, reader.header().guard, reader.header().start);
-    const ReplayResult replayed = replay(reader, tick);
-    CHECK(replayed.ticks + replayed.restored == 300);
-    CHECK(replayed.different == 0);
-    CHECK(replayed.states);
-  }
-  SECTION("until the scene changes") {
-    (void)bench.session.add(ball("ball", {0.02, 0.0, 0.0}, 1e-3));
-    bench.run(100);
-    CHECK(eventsOf(bench.session, EventKind::recordingEnd).size() == 1);
-    CHECK(bench.session.stopRecording().ticks == 300);
-    CHECK_THROWS_WITH(bench.session.record(folder / "other.enr"), ContainsSubstring("could not be replayed"));
-  }
-}
-
 TEST_CASE("two sessions share a solid: each cuts its own copy, and both copies become the same", "[session]") {
   SessionDef def = definition();
   def.start->position.z() = 5e-3;
@@ -523,10 +411,10 @@ TEST_CASE("a loop in its own thread, changed by two others at random", "[session
   SessionDef def = definition();
   Session session(def);
   (void)session.add(wallAt("wall", 0.0));
-  const auto device = makeVirtualDevice(session);
-  session.start(*device);
+  CHECK_THROWS_WITH(session.start(std::unique_ptr<HapticDevice>()), ContainsSubstring("the device is null"));
+  session.start(makeVirtualDevice(session));
   CHECK(session.isRunning());
-  CHECK_THROWS_WITH(session.start(*device), ContainsSubstring("already running"));
+  CHECK_THROWS_WITH(session.start(makeVirtualDevice(session)), ContainsSubstring("already running"));
   std::atomic<int> failures{0}, changes{0};
   const auto disturb = [&](std::uint64_t seed) {
     test::Random random(seed);

@@ -11,7 +11,6 @@ using namespace enamel;
 
 struct EnamelSession {
   std::shared_ptr<Session> session;
-  std::unique_ptr<HapticDevice> device;  // of start_device and start_virtual
   int joints = 0;
   std::mutex mutex;  // of `message`
   std::string message;
@@ -177,9 +176,7 @@ std::int32_t enamel_message(EnamelSession* session, EnamelMessage message) {
 
 std::int32_t enamel_start_device(EnamelSession* session, const EnamelDevice* device) {
   return runWith(session, device != nullptr, [&](Session& s) {
-    auto own = c::makeDevice(*device, session->joints);
-    s.start(*own);
-    session->device = std::move(own);
+    s.start(c::makeDevice(*device, session->joints));
   });
 }
 
@@ -194,17 +191,12 @@ std::int32_t enamel_start_virtual(EnamelSession* session, EnamelHand hand, void*
         hand(user, time, &plain, twist.data(), wrench.data());
         return wrench;
       };
-    auto own = makeVirtualDevice(s, std::move(held));
-    s.start(*own);
-    session->device = std::move(own);
+    s.start(makeVirtualDevice(s, std::move(held)));
   });
 }
 
 std::int32_t enamel_stop(EnamelSession* session) {
-  return run(session, [&](Session& s) {
-    s.stop();
-    session->device.reset();
-  });
+  return run(session, [](Session& s) { s.stop(); });
 }
 
 std::int32_t enamel_is_running(EnamelSession* session, std::int32_t* running) {

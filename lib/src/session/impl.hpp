@@ -22,18 +22,20 @@ namespace session {
 /// Cuts of one session on their way to another one that shares the obstacles.
 struct SharedCuts {
   struct Cut {
-    std::uint32_t generation;
+    std::uint32_t revision = 0;  // of the obstacle
     SolidCut cut;
   };
   SpscRing<Cut, 4096> ring;
+  Cut next;  // of the receiving loop; waits while this loop does not have the revision yet
+  bool isWaiting = false;
 };
 
 /// Obstacles that one or more sessions share. Callers hold the mutex; no loop does.
 struct Group {
   std::mutex mutex;
   Obstacles obstacles;
-  std::uint32_t lastGeneration = 0;
-  std::uint64_t changes = 0;  // of the list of obstacles since it was loaded
+  std::uint32_t lastGeneration = 0;  // or revision
+  double maxForce = kUnlimited;      // of the scene file, N
   std::vector<Session::Impl*> members;
 };
 
@@ -59,7 +61,7 @@ struct Session::Impl final : TickSink {
   explicit Impl(const SessionDef& def);
   ~Impl() override;
 
-  // Callers, with the group's mutex.
+  // Callers, with the group's mutex; choose() and select() without.
   template <typename Function>
   void post(Function function) {
     queue.post(std::move(function), isLive() && std::this_thread::get_id() != ownThread);
@@ -68,7 +70,6 @@ struct Session::Impl final : TickSink {
   void requireRoom();
   void join(const SessionDef& def);
   void leave() noexcept;
-  void endRecording();
   void awaitLoop() const;
   void enter(std::unique_ptr<session::World> next);
   std::size_t slotOf(ObstacleId id) const;
@@ -84,13 +85,15 @@ struct Session::Impl final : TickSink {
   double scale() const noexcept { return mapped ? mapped->scale() : 1.0; }
   void setEffect(const Vec6& wrench) noexcept;
   void spin(bool on) noexcept;
+  void endRecording() noexcept;
+  void stray() noexcept;
   void applySharedCuts() noexcept;
   void moveBase(const TickFrame& frame) noexcept;
   void countTime(const LoopTick& tick) noexcept;
   void watchContacts(const LoopTick& tick, const TickFrame& frame) noexcept;
   void watchDevice(const LoopTick& tick) noexcept;
   void watchCuts(const LoopTick& tick) noexcept;
-  void sendEvent(SessionEvent event, const LoopTick& tick) noexcept;
+  void sendEvent(SessionEvent event) noexcept;
   void publish(const LoopTick& tick, const TickFrame& frame) noexcept;
 
   // Constant after construction.
@@ -107,14 +110,14 @@ struct Session::Impl final : TickSink {
   session::SessionTool tool_;
   session::OwnSolids solids;  // of the newest world
   RendererChoice choice;      // the newest; without a name: an own object
-  bool hasOwnTool = false;    // since setTool()
   mutable session::WorkQueue queue;
   std::unique_ptr<Recorder> recorder;
+  std::unique_ptr<HapticDevice> owned;  // of start(); may be null
   std::unique_ptr<HapticLoop> loop;
-  std::atomic<bool> live{false};  // a loop runs
+  std::atomic<bool> live{false};    // a loop runs
+  std::atomic<bool> strays{false};  // ticks depend on what a recording does not contain
   bool hasRun = false;
   std::thread::id ownThread;  // of tick()
-  bool hasEnded = false;      // the recording
 
   // The loop.
   std::unique_ptr<session::World> world;
@@ -123,7 +126,9 @@ struct Session::Impl final : TickSink {
   bool enabled = true, clutch = false, clutched = false, spins = false;
   bool isFrozen = false;  // the tool is held in the scene by moving the base
   Vec3 frozen = Vec3::Zero();
-  LoopTick ownTick;  // of tick()
+  LoopTick ownTick;              // of tick()
+  std::uint64_t tickNumber = 0;  // of the last tick
+  double tickTime = 0.0;         // s
   std::array<session::Touch, 16> touches;
   std::size_t touching = 0;
   GuardReason fault = GuardReason::none;

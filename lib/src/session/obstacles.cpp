@@ -1,4 +1,6 @@
 // Obstacles of a session, and its recordings.
+#include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "core/message.hpp"
@@ -21,6 +23,22 @@ Obstacle shapedOf(const SessionObstacle& obstacle) {
   return shaped;
 }
 
+// The scene of a recording without a scene file.
+bool isFlatWall(const Scene& scene, const session::SessionTool& tool) {
+  const Scene wall = flatWall();
+  if (scene.obstacles().size() != 1 || !isSameObstacle(wall, scene, 0)) return false;
+  const Obstacle& own = scene.obstacles()[0];
+  const Material& m = own.material;
+  const bool isSmoothAndRigid =
+      std::isinf(m.stiffness) && m.friction == 0.0 && m.slidingFriction == 0.0 && m.viscosity == 0.0;
+  const ToolPart& part = tool.tool.parts[0];
+  const bool isPoint = tool.tool.count == 1 && part.a.isZero(0.0) && part.b.isZero(0.0) && part.radius == 0.0;
+  return own.pose.position.isZero(0.0) && own.pose.rotation == wall.obstacles()[0].pose.rotation && isSmoothAndRigid &&
+         isPoint && !tool.bur;
+}
+
+std::string absoluteOf(const std::string& path) { return std::filesystem::absolute(path).string(); }
+
 }  // namespace
 
 ObstacleId Session::add(const SessionObstacle& obstacle) {
@@ -34,13 +52,14 @@ ObstacleId Session::add(const SessionObstacle& obstacle) {
   if (slot == next.generation.size()) {
     next.scene.add(std::move(shaped));
     next.generation.push_back(0);
+    next.revision.push_back(0);
     next.meshes.emplace_back();
     next.solids.emplace_back();
   } else {
     next.scene.replace(static_cast<int>(slot), std::move(shaped));
   }
   const ObstacleId id{static_cast<int>(slot), group.lastGeneration + 1};
-  next.generation[slot] = id.generation;
+  next.generation[slot] = next.revision[slot] = id.generation;
   next.meshes[slot] = obstacle.mesh;
   next.solids[slot] = obstacle.solid;
   impl_->changeObstacles(std::move(next));
@@ -59,9 +78,11 @@ void Session::replace(ObstacleId id, const SessionObstacle& by) {
   shaped.twist = now.twist;
   shaped.active = now.active;
   next.scene.replace(id.slot, std::move(shaped));
+  next.revision[slot] = impl_->group->lastGeneration + 1;
   next.meshes[slot] = by.mesh;
   next.solids[slot] = by.solid;
   impl_->changeObstacles(std::move(next));
+  ++impl_->group->lastGeneration;
 }
 
 void Session::setMaterial(ObstacleId id, const Material& material) {
@@ -104,6 +125,7 @@ void Session::move(ObstacleId id, const Pose& pose, const Vec6& twist) {
                                     "\": its new pose or twist is " + toString(status));
   for (Impl* member : impl_->group->members)
     member->post([member, id, pose, twist]() noexcept {
+      member->stray();
       if (member->exists(id)) (void)member->world->scene.move(id.slot, pose, twist);
     });
 }
@@ -115,6 +137,7 @@ void Session::activate(ObstacleId id, bool active) {
   (void)impl_->group->obstacles.scene.activate(id.slot, active);
   for (Impl* member : impl_->group->members)
     member->post([member, id, active]() noexcept {
+      member->stray();
       if (member->exists(id)) (void)member->world->scene.activate(id.slot, active);
     });
 }
@@ -134,9 +157,8 @@ void Session::moveVertices(ObstacleId id, std::vector<int> vertices, std::vector
             name + "vertex " + std::to_string(vertex) + ", must be in 0 to " + std::to_string(count - 1));
   for (const Vec3& position : positions) require(position.allFinite(), name + "a position is not finite");
   impl_->requireRoom();
-  impl_->endRecording();
-  ++impl_->group->changes;
-  impl_->post([mesh, vertices = std::move(vertices), positions = std::move(positions)]() noexcept {
+  impl_->post([s = impl_.get(), mesh, vertices = std::move(vertices), positions = std::move(positions)]() noexcept {
+    s->stray();
     (void)enamel::moveVertices(*mesh, vertices.data(), positions.data(), static_cast<int>(vertices.size()));
   });
 }
@@ -147,8 +169,13 @@ void Session::restore(ObstacleId id) {
   require(impl_->group->obstacles.solids[slot] != nullptr,
           "obstacle \"" + impl_->group->obstacles.scene.obstacles()[slot].name + "\": it is not a solid");
   for (Impl* member : impl_->group->members) member->requireRoom();
+  const std::uint32_t revision = impl_->group->obstacles.revision[slot] = ++impl_->group->lastGeneration;
   for (Impl* member : impl_->group->members)
-    member->post([solid = member->solids.solids[slot]]() noexcept { solid->restore(); });
+    member->post([member, slot, revision, solid = member->solids.solids[slot]]() noexcept {
+      member->stray();
+      member->world->revision[slot] = revision;
+      solid->restore();
+    });
 }
 
 bool Session::takeChange(ObstacleId id, BrickChange& change) {
@@ -165,25 +192,25 @@ void Session::record(const std::string& path) {
     throw Error(std::string("session: ") + what + ", so a recording could not be replayed");
   };
   require(!impl_->recorder, "session: a recording is under way; call stopRecording() first");
+  impl_->requireRoom();
+  impl_->awaitLoop();
   if (impl_->mapped) refuse("it has a workspace map");
   if (impl_->group->members.size() > 1) refuse("it shares its obstacles");
   if (impl_->deviceText.empty()) refuse("it has no device file");
-  if (impl_->sceneText.empty()) refuse("it has no scene file");
-  if (impl_->group->changes > 0 || impl_->hasOwnTool) refuse("its obstacles or its tool were changed");
+  if (impl_->sceneText.empty() && !isFlatWall(impl_->group->obstacles.scene, impl_->tool_))
+    refuse("it has no scene file");
+  if (impl_->strays) refuse("its obstacles or its tool were changed, moved or cut, or it had an effect");
   if (impl_->def.tool || impl_->def.bur) refuse("its tool is not that of the scene file");
   if (impl_->choice.name.empty()) refuse("its renderer has no name");
   RecordingHeader header;
-  header.deviceFile = impl_->def.device.empty() ? "tau-nominal.toml" : impl_->def.device;
+  header.deviceFile = impl_->def.device.empty() ? "tau-nominal.toml" : absoluteOf(impl_->def.device);
   header.deviceText = impl_->deviceText;
-  header.sceneFile = impl_->def.scene;
+  if (!impl_->def.scene.empty()) header.sceneFile = absoluteOf(impl_->def.scene);
   header.sceneText = impl_->sceneText;
   header.start = impl_->start;
   nameRenderer(impl_->choice.name, impl_->choice.plugin, impl_->choice.parameters, impl_->group->obstacles.scene,
                header);
-  impl_->requireRoom();
-  impl_->awaitLoop();
   impl_->recorder = std::make_unique<Recorder>(path, std::move(header), *impl_->haptics);
-  impl_->hasEnded = false;
   impl_->post([s = impl_.get(), recorder = impl_->recorder.get()]() noexcept { s->recording = recorder; });
 }
 

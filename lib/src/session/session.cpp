@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <thread>
 #include <utility>
 
@@ -30,12 +29,28 @@ constexpr double kMostCentring = 0.5;
 // The first obstacles of a session: those of its scene file.
 std::shared_ptr<Group> groupOf(const SceneFile& file) {
   auto group = std::make_shared<Group>();
+  group->maxForce = file.maxForce;
   Obstacles& all = group->obstacles;
   all.scene = file.scene;
   all.meshes = file.meshes;
   all.solids.assign(file.solids.begin(), file.solids.end());
   for (std::size_t i = 0; i < file.scene.obstacles().size(); ++i) all.generation.push_back(++group->lastGeneration);
+  all.revision = all.generation;
   return group;
+}
+
+// Convert options for the device to the frame of the scene.
+GuardOptions inScene(GuardOptions options, const WorkspaceMap& map) {
+  require(options.workspace.minCoeff() == kUnlimited,
+          "session: a box for the guard needs a session without map, clutch and centring, which move the box");
+  options.force /= map.scale;
+  for (double* const length : {&options.margin, &options.speed, &options.stopSpeed}) *length *= map.scale;
+  for (double* const perLength : {&options.brake, &options.softest}) *perLength /= map.scale * map.scale;
+  Mat6 toDevice = Mat6::Zero();
+  toDevice.topLeftCorner<3, 3>() = map.base.rotation.transpose() / map.scale;
+  toDevice.bottomRightCorner<3, 3>() = map.base.rotation.transpose();
+  options.damping = toDevice.transpose() * options.damping * toDevice;
+  return options;
 }
 
 void requireNumber(double value, double low, double high, const char* name, const char* unit) {
@@ -65,7 +80,8 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
 
   choice = choose(def.renderer, def.parameters);
   const Mechanism& seen = mapped ? *mapped : *device;
-  GuardOptions guard = def.guard ? *def.guard : guardFor(seen, period);
+  GuardOptions guard = guardFor(seen, period);
+  if (def.guard) guard = mapped ? inScene(*def.guard, mapped->map()) : *def.guard;
   guard.period = period;
   guard.force = std::min(guard.force, def.maxForce / seen.scale());
   world = makeWorld(group->obstacles, {}, {}, tool_, true);
@@ -100,18 +116,19 @@ void Session::Impl::join(const SessionDef& definition) {
     const Lock lock(group->mutex);
     for (Impl* member : group->members)
       require(!member->hasRun, "session: sharesWith needs sessions that have not run yet");
+    def.maxForce = std::min(def.maxForce, group->maxForce);
     return;
   }
   SceneFile file;
   if (!definition.scene.empty()) {
     sceneText = readFile(definition.scene);
     file = parseScene(sceneText, definition.scene);
-    def.maxForce = std::min(def.maxForce, file.maxForce);
     notes = file.notes;
     if (!definition.tool) tool_.tool = file.tool;
     if (!definition.tool && !definition.bur) tool_.bur = file.bur;
     if (!definition.start) start.position = file.start;
   }
+  def.maxForce = std::min(def.maxForce, file.maxForce);
   group = groupOf(file);
 }
 
@@ -138,18 +155,6 @@ void Session::Impl::leave() noexcept {
       for (auto& outbox : member->outboxes)
         if (std::find(mine.begin(), mine.end(), outbox) != mine.end()) outbox.reset();
     });
-}
-
-// A recording ends before a change that a replay cannot repeat. stopRecording() closes it.
-void Session::Impl::endRecording() {
-  if (!recorder || hasEnded) return;
-  hasEnded = true;
-  post([this]() noexcept {
-    recording = nullptr;
-    SessionEvent event;
-    event.kind = EventKind::recordingEnd;
-    sendEvent(event, ownTick);
-  });
 }
 
 // Wait until the loop has made all changes.
@@ -185,9 +190,12 @@ std::size_t Session::Impl::slotOf(ObstacleId id) const {
 
 // Hand a world over to the loop.
 void Session::Impl::enter(std::unique_ptr<World> next) {
-  endRecording();
+  const bool isFirst = sceneText.empty() && !hasRun;  // without a scene file, the obstacles are added one by one
   solids = *next;
-  post([this, next = std::move(next)]() mutable noexcept { session::exchange(*haptics, world, next); });
+  post([this, isFirst, next = std::move(next)]() mutable noexcept {
+    if (!isFirst) stray();
+    session::exchange(*haptics, world, next);
+  });
 }
 
 // Make `next` the obstacles of all sessions of the group.
@@ -199,15 +207,15 @@ void Session::Impl::changeObstacles(Obstacles next) {
   }
   for (std::size_t i = 0; i < worlds.size(); ++i) group->members[i]->enter(std::move(worlds[i]));
   group->obstacles = std::move(next);
-  ++group->changes;
 }
 
 void Session::Impl::select(RendererChoice next) {
-  next.renderer->activate(period);
+  next.renderer->activate(period);  // may take long: before other callers have to wait
+  const Lock lock(group->mutex);
   requireRoom();
-  endRecording();
   std::swap(choice, next);
   post([this, renderer = choice.renderer.get(), old = std::move(next.renderer)]() noexcept {
+    endRecording();
     haptics->select(*renderer);
   });
 }
@@ -221,6 +229,7 @@ void Session::start(HapticDevice& haptic) {
   require(!impl_->isLive(), "session: it is already running; call stop() first");
   HapticLoopOptions options;
   options.sink = impl_.get();
+  options.period = impl_->def.poll;
   options.priority = impl_->def.priority;
   options.lockMemory = impl_->def.lockMemory;
   impl_->goLive();
@@ -230,6 +239,13 @@ void Session::start(HapticDevice& haptic) {
     impl_->live.store(false);
     throw;
   }
+}
+
+void Session::start(std::unique_ptr<HapticDevice> haptic) {
+  require(haptic != nullptr, "session: the device is null");
+  start(*haptic);
+  const Lock lock(impl_->group->mutex);
+  impl_->owned = std::move(haptic);
 }
 
 void Session::stop() noexcept {
@@ -258,6 +274,7 @@ Status Session::tick(const Measurement& measurement, Command& command) noexcept 
   describe(*s.haptics, tick);
   s.tick(tick, *s.haptics);
   ++tick.number;
+  tick.reset = false;
   return tick.status;
 }
 
@@ -279,18 +296,15 @@ void Session::setTool(const Tool& tool, const std::optional<Bur>& bur) {
   const Obstacles& all = impl_->group->obstacles;
   std::unique_ptr<World> world = session::makeWorld(all, all, impl_->solids, next, true);
   impl_->tool_ = next;
-  impl_->hasOwnTool = true;
   impl_->enter(std::move(world));
 }
 
 void Session::setRenderer(const std::string& name, const std::map<std::string, std::string>& parameters) {
-  const Lock lock(impl_->group->mutex);
   impl_->select(impl_->choose(name, parameters));
 }
 
 void Session::setRenderer(std::unique_ptr<Renderer> renderer) {
   require(renderer != nullptr, "session: the renderer is null");
-  const Lock lock(impl_->group->mutex);
   Impl::RendererChoice own;
   own.renderer = std::move(renderer);
   impl_->select(std::move(own));
@@ -324,17 +338,19 @@ void Session::enable(bool on) {
 
 void Session::reset() {
   const Lock lock(impl_->group->mutex);
+  if (impl_->loop) return (void)impl_->loop->reset();  // if 16 resets are waiting, one more changes nothing
   impl_->requireRoom();
-  if (impl_->loop)
-    require(impl_->loop->reset(), "session: 16 resets are waiting: the loop does not run");
-  else
-    impl_->post([s = impl_.get()]() noexcept { s->haptics->reset(); });
+  impl_->post([s = impl_.get()]() noexcept {
+    s->haptics->reset();
+    s->ownTick.reset = true;
+  });
 }
 
 const Mechanism& Session::mechanism() const noexcept { return *impl_->device; }
 double Session::period() const noexcept { return impl_->period; }
 const std::vector<std::string>& Session::notes() const noexcept { return impl_->notes; }
 const HapticTick& Session::haptics() const noexcept { return *impl_->haptics; }
+const HapticLoop* Session::loop() const noexcept { return impl_->loop.get(); }
 Pose Session::start() const noexcept { return impl_->mapped ? impl_->mapped->toDevice(impl_->start) : impl_->start; }
 
 std::unique_ptr<SimulatedDevice> makeVirtualDevice(const Session& session, WrenchFunction hand) {

@@ -31,6 +31,7 @@ bool Session::Impl::exists(ObstacleId id) const noexcept {
 void Session::Impl::setEffect(const Vec6& wrench) noexcept {
   Vec6 ofTool = wrench;
   if (mapped) ofTool.head<3>() /= mapped->scale();
+  if (!wrench.isZero(0.0)) stray();
   haptics->setEffect(ofTool);
 }
 
@@ -39,13 +40,32 @@ void Session::Impl::spin(bool on) noexcept {
   if (world->drill) world->drill->spin(on);
 }
 
+// stopRecording() closes the file.
+void Session::Impl::endRecording() noexcept {
+  if (recording == nullptr) return;
+  recording = nullptr;
+  SessionEvent event;
+  event.kind = EventKind::recordingEnd;
+  sendEvent(event);
+}
+
+// A replay cannot repeat this tick and those after it.
+void Session::Impl::stray() noexcept {
+  endRecording();
+  strays.store(true, std::memory_order_relaxed);
+}
+
 void Session::Impl::applySharedCuts() noexcept {
-  SharedCuts::Cut next;
   for (const auto& inbox : inboxes)
-    for (int i = 0; i < kSharedCutsPerTick && inbox->ring.pop(next); ++i) {
+    for (int i = 0; i < kSharedCutsPerTick; ++i) {
+      SharedCuts::Cut& next = inbox->next;
+      if (!inbox->isWaiting && !inbox->ring.pop(next)) break;
       const auto slot = static_cast<std::size_t>(next.cut.obstacle);
-      if (slot < world->solids.size() && world->solids[slot] && world->generation[slot] == next.generation)
-        (void)world->solids[slot]->cut(next.cut.from, next.cut.to, next.cut.radius);
+      inbox->isWaiting = slot >= world->revision.size() || next.revision > world->revision[slot];
+      if (inbox->isWaiting) break;  // for a change that the other session has already made
+      if (next.revision != world->revision[slot] || !world->solids[slot]) continue;
+      stray();
+      (void)world->solids[slot]->cut(next.cut.from, next.cut.to, next.cut.radius);
     }
 }
 
@@ -63,6 +83,8 @@ void Session::Impl::before(Measurement& measurement) noexcept {
 
 void Session::Impl::tick(const LoopTick& tick, const HapticTick& ticked) noexcept {
   const TickFrame& frame = ticked.frame();
+  tickNumber = tick.number;
+  tickTime = tick.measurement.time;
   if (recording != nullptr) recording->tick(tick, ticked);
   countTime(tick);
   watchDevice(tick);
@@ -101,7 +123,7 @@ void Session::Impl::countTime(const LoopTick& tick) noexcept {
       SessionEvent event;
       event.kind = EventKind::missed;
       event.count = static_cast<std::uint64_t>(passed - 1);
-      sendEvent(event, tick);
+      sendEvent(event);
     }
   }
   lastTime = time;
@@ -113,14 +135,14 @@ void Session::Impl::watchDevice(const LoopTick& tick) noexcept {
   if (now != GuardReason::none && now != fault) {
     event.kind = EventKind::guardStop;
     event.reason = now;
-    sendEvent(event, tick);
+    sendEvent(event);
   }
   fault = now;
   const bool fails = tick.measurement.failed || tick.measurement.age > haptics->guard().options().longestGap;
   if (fails != isLost) {
     event = SessionEvent{};
     event.kind = fails ? EventKind::deviceLost : EventKind::deviceBack;
-    sendEvent(event, tick);
+    sendEvent(event);
   }
   isLost = fails;
 }
@@ -150,7 +172,7 @@ void Session::Impl::watchContacts(const LoopTick& tick, const TickFrame& frame) 
       event.point = contact.point;
       event.normal = contact.normal;
       event.speed = -contact.normal.dot(contactVelocity(k, contact));
-      sendEvent(event, tick);
+      sendEvent(event);
     }
     if (touch->last == time) continue;  // the deepest contact of the part counts
     touch->last = time;
@@ -171,7 +193,7 @@ void Session::Impl::watchContacts(const LoopTick& tick, const TickFrame& frame) 
     event.point = touch.point;
     event.normal = touch.normal;
     event.impulse = touch.impulse;
-    sendEvent(event, tick);
+    sendEvent(event);
     touches[i] = touches[--touching];
   }
 }
@@ -182,9 +204,10 @@ void Session::Impl::watchCuts(const LoopTick& tick) noexcept {
   if (!world->drill) return;
   if (const SolidCut& cut = world->drill->lastCut(); cut.obstacle >= 0 && tick.measurement.age == 0) {
     const auto slot = static_cast<std::size_t>(cut.obstacle);
+    if (recording == nullptr) stray();  // a replay cuts whole solids
     cutObstacle = {cut.obstacle, world->generation[slot]};
     for (const auto& outbox : outboxes)
-      if (outbox && !outbox->ring.push({world->generation[slot], cut})) ++lostCuts;
+      if (outbox && !outbox->ring.push({world->revision[slot], cut})) ++lostCuts;
     const RemovedVolume& volume = world->drill->removed();
     for (std::size_t i = 0; i < removed.size(); ++i) {
       removed[i] += volume[i];
@@ -198,14 +221,14 @@ void Session::Impl::watchCuts(const LoopTick& tick) noexcept {
   event.kind = EventKind::cut;
   event.obstacle = cutObstacle;
   event.removed = unsent;
-  sendEvent(event, tick);
+  sendEvent(event);
   unsent = RemovedVolume{};
   lastCut = time;
 }
 
-void Session::Impl::sendEvent(SessionEvent event, const LoopTick& tick) noexcept {
-  event.tick = tick.number;
-  event.time = tick.measurement.time;
+void Session::Impl::sendEvent(SessionEvent event) noexcept {
+  event.tick = tickNumber;
+  event.time = tickTime;
   if (!events.push(event)) ++dropped;
 }
 
@@ -215,6 +238,11 @@ void Session::Impl::publish(const LoopTick& tick, const TickFrame& frame) noexce
   now.tick = tick;
   now.tick.normalForce *= scale();
   now.contacts = frame.contacts;
+  for (int i = 0; i < now.contacts.count; ++i) {  // as stated
+    Material& material = now.contacts.contacts[static_cast<std::size_t>(i)].material;
+    material.stiffness *= scale();
+    material.viscosity *= scale();
+  }
   now.wrench.setZero();
   if (k.gravity.size() > 0 && k.gravity.size() == frame.command.size()) {
     now.wrench = wrenchOf(k, frame.command - k.gravity);
@@ -236,10 +264,12 @@ void Session::Impl::publish(const LoopTick& tick, const TickFrame& frame) noexce
 const TickFrame& TickAccess::frame() const noexcept { return session_.haptics->frame(); }
 
 Status TickAccess::move(ObstacleId id, const Pose& pose, const Vec6& twist) noexcept {
+  session_.stray();
   return !session_.exists(id) ? Status::ok : session_.world->scene.move(id.slot, pose, twist);
 }
 
 Status TickAccess::activate(ObstacleId id, bool active) noexcept {
+  session_.stray();
   return !session_.exists(id) ? Status::ok : session_.world->scene.activate(id.slot, active);
 }
 

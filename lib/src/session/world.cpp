@@ -34,6 +34,7 @@ std::unique_ptr<World> makeWorld(const Obstacles& obstacles, const Obstacles& be
   auto world = std::make_unique<World>();
   const std::size_t slots = obstacles.generation.size();
   world->generation = obstacles.generation;
+  world->revision = obstacles.revision;
   world->solids.resize(slots);
   world->changes.resize(slots);
   for (std::size_t i = 0; i < slots; ++i) {

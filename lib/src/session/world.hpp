@@ -17,6 +17,7 @@ namespace enamel::session {
 struct Obstacles {
   Scene scene;
   std::vector<std::uint32_t> generation;             // by slot; 0: free
+  std::vector<std::uint32_t> revision;               // by slot: rises with each new shape and each restored solid
   std::vector<std::shared_ptr<MeshModel>> meshes;    // by slot: can be edited; may be null
   std::vector<std::shared_ptr<const Solid>> solids;  // by slot: uncut originals of copies; may be null
 };
@@ -35,8 +36,8 @@ struct OwnSolids {
 
 /// What the loop of one session works with. Built on a caller's thread; the loop exchanges it as a whole.
 struct World : OwnSolids {
-  Scene scene;                            // stated poses, from the callers and from beforeTick
-  std::vector<std::uint32_t> generation;  // by slot
+  Scene scene;                                      // stated poses, from the callers and from beforeTick
+  std::vector<std::uint32_t> generation, revision;  // by slot
   std::vector<std::shared_ptr<Solid>> forDrill;
   std::unique_ptr<TickScene> tick;  // refers to `scene`
   std::unique_ptr<Drill> drill;     // null: no bur

@@ -25,7 +25,8 @@ namespace enamel {
 /// unless stated otherwise.
 ///
 /// Frames: with a WorkspaceMap, poses, contacts and effects are those of the tool in the scene. Stiffness of a material
-/// is force at the hand per distance in the scene. The limits of the guard are those of the device.
+/// is force at the hand per distance in the scene. The limits of the guard are those of the device; a box
+/// (GuardOptions::workspace) excludes a map.
 ///
 /// Clutch: while the button is pressed, the rendered force ramps out. The tool then stays in the scene while the hand
 /// moves, and turns with the hand. Centring: while the hand moves freely, the tool moves up to `centring` times the way
@@ -40,9 +41,11 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Run a loop with this device in a thread of its own. The device must outlive stop(). Throws Error as HapticLoop,
-  /// and if the session is already running. stop() ramps out and ends the loop, or marks the end of an own loop.
+  /// Run a loop with this device in a thread of its own. The device must outlive stop(), or the session keeps it until
+  /// the next start(). Throws Error as HapticLoop, and if the session is already running. stop() ramps out and ends the
+  /// loop, or marks the end of an own loop.
   void start(HapticDevice& device);
+  void start(std::unique_ptr<HapticDevice> device);
   void stop() noexcept;
   bool isRunning() const noexcept;
 
@@ -103,10 +106,14 @@ class Session {
   void enable(bool on);  ///< render, or ramp out
   void reset();          ///< continue after a fault of the guard
 
-  /// Record ticks to a file. Throws Error as Recorder, and if the recording could not be replayed. That is so with a
-  /// WorkspaceMap, with shared obstacles, if the definition has no device file, or if the scene was changed since it
-  /// was loaded. A change of the scene, the tool or the renderer ends the recording. stopRecording() returns its
-  /// result; without a recording, an empty one.
+  /// Record ticks to a file. Throws Error as Recorder, and if the recording could not be replayed. That is so:
+  ///
+  /// - with a WorkspaceMap, shared obstacles, an own mechanism, or an own renderer object;
+  /// - if obstacles and tool are not those of the scene file, or without one: those of flatWall() and a point;
+  /// - after an effect, a cut or a motion of an obstacle before the recording.
+  ///
+  /// A change of the scene, the tool or the renderer, an effect and a motion of an obstacle end the recording.
+  /// stopRecording() returns its result; without a recording, an empty one.
   void record(const std::string& path);
   RecordingResult stopRecording();
 
@@ -119,6 +126,10 @@ class Session {
 
   /// Return the haptic tick. Only on the thread of tick() or of SessionDef::beforeTick, or while no loop runs.
   const HapticTick& haptics() const noexcept;
+
+  /// Return the loop of start(), for its timing and counters; null if there is none. It ends with stop(). Only on the
+  /// thread that calls start() and stop().
+  const HapticLoop* loop() const noexcept;
 
   struct Impl;  ///< private to the library
 

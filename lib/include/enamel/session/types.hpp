@@ -32,8 +32,8 @@ struct ObstacleId {
 /// An obstacle for a session. `mesh` or `solid`, if set, replaces the shape: a mesh that can be edited, or a solid that
 /// a bur can cut. The session cuts a copy of the solid.
 struct SessionObstacle : Obstacle {
-  std::shared_ptr<MeshModel> mesh;
-  std::shared_ptr<const Solid> solid;
+  std::shared_ptr<MeshModel> mesh = nullptr;
+  std::shared_ptr<const Solid> solid = nullptr;
 };
 
 /// Definition of a session. Every member has a default.
@@ -54,8 +54,9 @@ struct SessionDef {
   int clutchButton = -1;                ///< button that freezes the tool while the hand moves on; -1: none
   double centring = 0.0;                ///< see Session; 0 to 0.5
   double maxForce = kUnlimited;         ///< largest rendered force at the hand, N; the scene file's may be smaller
-  std::optional<GuardOptions> guard;    ///< instead of guardFor()
+  std::optional<GuardOptions> guard;    ///< instead of guardFor(); for the device, without the map
   int priority = 80;                    ///< SCHED_FIFO priority of the loop's thread
+  double poll = 0.0;                    ///< HapticLoopOptions::period, s: for a device with its own clock
   bool lockMemory = true;               ///< as HapticLoopOptions
   std::shared_ptr<Session> sharesWith;  ///< the obstacles are those of this session; `scene` must be empty
 
