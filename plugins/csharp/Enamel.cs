@@ -233,11 +233,28 @@ namespace Enamel
         public UIntPtr vertex_count;
         public IntPtr triangles;
         public UIntPtr triangle_count;
+        public IntPtr file;
+        public double unit;
         public IntPtr layers;
         public UIntPtr layer_count;
         public double cell;
         public int active;
         public int reserved;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct EnamelSurface
+    {
+        public uint size;
+        public int brick;
+        public IntPtr vertices;
+        public IntPtr normals;
+        public IntPtr layers;
+        public IntPtr triangles;
+        public UIntPtr vertex_capacity;
+        public UIntPtr triangle_capacity;
+        public UIntPtr vertex_count;
+        public UIntPtr triangle_count;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -361,6 +378,12 @@ namespace Enamel
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_restore(IntPtr session, EnamelObstacle obstacle);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_solid_bricks(IntPtr session, EnamelObstacle obstacle, out int count);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_take_surface(IntPtr session, EnamelObstacle obstacle, ref EnamelSurface surface);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_set_tool(IntPtr session, ref EnamelTool tool, ref EnamelBur bur);

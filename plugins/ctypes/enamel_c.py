@@ -332,11 +332,28 @@ class EnamelObstacleDef(Structure):
         ("vertex_count", c_size_t),
         ("triangles", POINTER(c_int32)),
         ("triangle_count", c_size_t),
+        ("file", c_char_p),
+        ("unit", c_double),
         ("layers", POINTER(EnamelLayer)),
         ("layer_count", c_size_t),
         ("cell", c_double),
         ("active", c_int32),
         ("reserved", c_int32),
+    ]
+
+
+class EnamelSurface(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("brick", c_int32),
+        ("vertices", POINTER(c_double)),
+        ("normals", POINTER(c_double)),
+        ("layers", POINTER(c_int32)),
+        ("triangles", POINTER(c_int32)),
+        ("vertex_capacity", c_size_t),
+        ("triangle_capacity", c_size_t),
+        ("vertex_count", c_size_t),
+        ("triangle_count", c_size_t),
     ]
 
 
@@ -415,6 +432,8 @@ _FUNCTIONS = {
     "enamel_activate": (c_int32, [c_void_p, EnamelObstacle, c_int32]),
     "enamel_move_vertices": (c_int32, [c_void_p, EnamelObstacle, POINTER(c_int32), POINTER(c_double), c_size_t]),
     "enamel_restore": (c_int32, [c_void_p, EnamelObstacle]),
+    "enamel_solid_bricks": (c_int32, [c_void_p, EnamelObstacle, POINTER(c_int32)]),
+    "enamel_take_surface": (c_int32, [c_void_p, EnamelObstacle, POINTER(EnamelSurface)]),
     "enamel_set_tool": (c_int32, [c_void_p, POINTER(EnamelTool), POINTER(EnamelBur)]),
     "enamel_set_renderer": (c_int32, [c_void_p, c_char_p, POINTER(EnamelParameter), c_size_t]),
     "enamel_set_own_renderer": (c_int32, [c_void_p, POINTER(EnamelPlugin), POINTER(EnamelParameter), c_size_t]),

@@ -13,6 +13,7 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/meshes.hpp"
 
 namespace enamel::test_c_interface {
 
@@ -323,6 +324,105 @@ TEST_CASE("errors have the reason of the library, and change nothing", "[c]") {
   CHECK(second.generation == 0);
   CHECK(enamel_clutch(session, 1) == ENAMEL_FAILED);
   CHECK_THAT(session.message(), ContainsSubstring("a clutch needs a workspace map"));
+}
+
+TEST_CASE("a solid is cut, and its changed bricks come as triangles", "[c]") {
+  EnamelSessionDef def = defaults();
+  const EnamelPose start{{0, 0, 5e-3}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  EnamelTool tool{};
+  tool.size = sizeof tool;
+  tool.count = 1;
+  tool.parts[0].radius = 1e-3;
+  EnamelBur bur{sizeof(EnamelBur), 0, 0.5, 2000.0};
+  def.start = &start;
+  def.tool = &tool;
+  def.bur = &bur;
+  const Handle session(def);
+  std::vector<double> vertices;
+  std::vector<std::int32_t> triangles;
+  const TriangleMesh box = test::boxMesh(Vec3::Constant(4e-3));
+  for (const Vec3& v : box.vertices) vertices.insert(vertices.end(), v.data(), v.data() + 3);
+  for (const auto& t : box.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
+  const EnamelLayer layer{{std::numeric_limits<double>::infinity(), 0.0, 0.0, 0.0}, 0.2e9, 0.0};
+  EnamelObstacleDef cube = obstacle("cube", ENAMEL_SOLID, 0.0);
+  cube.vertices = vertices.data();
+  cube.vertex_count = box.vertices.size();
+  cube.triangles = triangles.data();
+  cube.triangle_count = box.triangles.size();
+  cube.layers = &layer;
+  cube.layer_count = 1;
+  cube.cell = 2e-4;
+  EnamelObstacle id{};
+  REQUIRE(enamel_add(session, &cube, &id) == ENAMEL_OK);
+
+  std::vector<double> points(3 * ENAMEL_SURFACE_VERTICES), normals(3 * ENAMEL_SURFACE_VERTICES);
+  std::vector<std::int32_t> layers(ENAMEL_SURFACE_VERTICES), corners(3 * ENAMEL_SURFACE_TRIANGLES);
+  EnamelSurface surface{sizeof(EnamelSurface),
+                        -1,
+                        points.data(),
+                        normals.data(),
+                        layers.data(),
+                        corners.data(),
+                        ENAMEL_SURFACE_VERTICES,
+                        ENAMEL_SURFACE_TRIANGLES,
+                        0,
+                        0};
+  CHECK(enamel_take_surface(session, id, &surface) == ENAMEL_NOTHING);
+  std::int32_t bricks = 0;
+  REQUIRE(enamel_solid_bricks(session, id, &bricks) == ENAMEL_OK);
+  double area = 0.0;
+  for (std::int32_t brick = 0; brick < bricks; ++brick) {
+    surface.brick = brick;
+    REQUIRE(enamel_take_surface(session, id, &surface) == ENAMEL_OK);
+    for (std::size_t i = 0; i < surface.triangle_count; ++i) {
+      const auto at = [&](std::size_t k) {
+        return Vec3(Eigen::Map<const Vec3>(points.data() + 3 * corners[3 * i + k]));
+      };
+      area += 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+    }
+  }
+  CHECK(area == Approx(6.0 * 64e-6).epsilon(0.02));
+
+  EnamelVirtualDevice* device = nullptr;
+  REQUIRE(enamel_virtual_create(session, &device) == ENAMEL_OK);
+  REQUIRE(enamel_spin(session, 1) == ENAMEL_OK);
+  for (int i = 0; i < 400; ++i) {
+    EnamelMeasurement measurement{};
+    EnamelPose pose{};
+    double effort[ENAMEL_MAX_JOINTS], twist[6], wrench[6];
+    REQUIRE(enamel_virtual_measure(device, &measurement) == ENAMEL_OK);
+    REQUIRE(enamel_tick(session, &measurement, effort) == ENAMEL_OK);
+    REQUIRE(enamel_virtual_state(device, &pose, twist) == ENAMEL_OK);
+    for (int j = 0; j < 6; ++j) wrench[j] = (j < 3 ? -20.0 : -0.05) * twist[j];
+    wrench[2] -= 2.0;
+    REQUIRE(enamel_virtual_actuate(device, effort) == ENAMEL_OK);
+    REQUIRE(enamel_virtual_advance(device, wrench) == ENAMEL_OK);
+  }
+  enamel_virtual_destroy(device);
+  CHECK(snapshotOf(session).removed[0] > 0.0);
+  double lowest = 1.0;
+  int changed = 0;
+  for (surface.brick = -1; enamel_take_surface(session, id, &surface) == ENAMEL_OK; surface.brick = -1, ++changed)
+    for (std::size_t i = 0; i < surface.vertex_count; ++i)
+      if (std::abs(points[3 * i]) < 1e-3 && std::abs(points[3 * i + 1]) < 1e-3)
+        lowest = std::min(lowest, points[3 * i + 2]);
+  CHECK(changed > 0);
+  CHECK(lowest < 4e-3 - 50e-6);  // the bottom of the cut
+  surface.brick = bricks;
+  CHECK(enamel_take_surface(session, id, &surface) == ENAMEL_FAILED);
+  surface.brick = 0;
+  surface.vertex_capacity = 10;
+  CHECK(enamel_take_surface(session, id, &surface) == ENAMEL_FAILED);
+  CHECK_THAT(session.message(), ContainsSubstring("room for 10 vertices"));
+
+  EnamelObstacleDef molar = obstacle("molar", ENAMEL_MESH, 0.0);
+  molar.file = ENAMEL_SOURCE_DIR "/data/meshes/molar.ply";
+  molar.unit = 1e-3;
+  CHECK(enamel_add(session, &molar, &id) == ENAMEL_OK);
+  molar.name = "missing";
+  molar.file = "no such mesh.ply";
+  CHECK(enamel_add(session, &molar, &id) == ENAMEL_FAILED);
+  CHECK_THAT(session.message(), ContainsSubstring("no such mesh.ply"));
 }
 
 TEST_CASE("an own mechanism and an own device, in a loop of their own", "[c][threads]") {

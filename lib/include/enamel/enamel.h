@@ -208,12 +208,30 @@ typedef struct EnamelObstacleDef {
   size_t vertex_count;
   const int32_t* triangles; /* 3 vertices each, counter-clockwise from outside */
   size_t triangle_count;
+  const char* file;          /* instead of the arrays: a mesh file (PLY, OBJ, STL, OFF); NULL: the arrays */
+  double unit;               /* of the file's coordinates, m */
   const EnamelLayer* layers; /* the outermost first */
   size_t layer_count;
   double cell;    /* of a solid, m */
   int32_t active; /* 0: reserved for later */
   int32_t reserved;
 } EnamelObstacleDef;
+
+/* Triangles of one brick of a solid, for drawing, in the frame of the solid. The caller gives the memory: 3 numbers a
+ * vertex, a normal and a triangle. Layers are those just below the surface. */
+#define ENAMEL_SURFACE_VERTICES 5200
+#define ENAMEL_SURFACE_TRIANGLES 6200
+typedef struct EnamelSurface {
+  uint32_t size;
+  int32_t brick;            /* in: the uncut surface of this brick; -1: the next brick that changed. Out: its number */
+  double* vertices;         /* m */
+  double* normals;          /* outward, unit length */
+  int32_t* layers;          /* one number a vertex */
+  int32_t* triangles;       /* 3 vertices each */
+  size_t vertex_capacity;   /* at least ENAMEL_SURFACE_VERTICES */
+  size_t triangle_capacity; /* at least ENAMEL_SURFACE_TRIANGLES */
+  size_t vertex_count, triangle_count;
+} EnamelSurface;
 
 /* State after one tick. Poses and contacts are those of the tool in the scene, forces those at the hand. */
 typedef struct EnamelSnapshot {
@@ -316,6 +334,11 @@ ENAMEL_API int32_t enamel_activate(EnamelSession* session, EnamelObstacle obstac
 ENAMEL_API int32_t enamel_move_vertices(EnamelSession* session, EnamelObstacle obstacle, const int32_t* vertices,
                                         const double* positions, size_t count);
 ENAMEL_API int32_t enamel_restore(EnamelSession* session, EnamelObstacle obstacle); /* the material of a solid */
+
+/* Draw a solid that is cut: draw each of its bricks once, then those that changed. ENAMEL_NOTHING: none has changed. A
+ * brick replaces the triangles that were drawn for it. */
+ENAMEL_API int32_t enamel_solid_bricks(EnamelSession* session, EnamelObstacle obstacle, int32_t* count);
+ENAMEL_API int32_t enamel_take_surface(EnamelSession* session, EnamelObstacle obstacle, EnamelSurface* surface);
 
 /* Tool, renderer, control. Any. */
 ENAMEL_API int32_t enamel_set_tool(EnamelSession* session, const EnamelTool* tool, const EnamelBur* bur);

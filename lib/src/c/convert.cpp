@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/message.hpp"
+#include "enamel/collision/mesh_file.hpp"
 
 namespace enamel::c {
 namespace {
@@ -16,14 +17,15 @@ const Struct& known(const Struct& given, const char* name) {
   return given;
 }
 
-TriangleMesh meshOf(const EnamelObstacleDef& def) {
+MeshModel meshOf(const EnamelObstacleDef& def) {
+  if (def.file != nullptr) return MeshModel(loadMesh(def.file, def.unit));
   require(def.vertices != nullptr && def.triangles != nullptr, "a mesh needs vertices and triangles");
   TriangleMesh mesh;
   for (std::size_t i = 0; i < def.vertex_count; ++i)
     mesh.vertices.emplace_back(Eigen::Map<const Vec3>(def.vertices + 3 * i));
   for (std::size_t i = 0; i < def.triangle_count; ++i)
     mesh.triangles.push_back({def.triangles[3 * i], def.triangles[3 * i + 1], def.triangles[3 * i + 2]});
-  return mesh;
+  return MeshModel(std::move(mesh));
 }
 
 std::vector<SolidLayer> layersOf(const EnamelObstacleDef& def) {
@@ -70,7 +72,7 @@ SessionObstacle obstacleOf(const EnamelObstacleDef& given) {
     case ENAMEL_CAPSULE: obstacle.shape = Capsule{d[0], d[1]}; break;
     case ENAMEL_MESH: obstacle.mesh = std::make_shared<MeshModel>(meshOf(def)); break;
     case ENAMEL_SOLID:
-      obstacle.solid = std::make_shared<const Solid>(MeshModel(meshOf(def)), layersOf(def), SolidOptions{def.cell});
+      obstacle.solid = std::make_shared<const Solid>(meshOf(def), layersOf(def), SolidOptions{def.cell});
       break;
     default:
       throw Error("EnamelObstacleDef.shape is " + std::to_string(def.shape) + ", must be an EnamelShape, 0 to 5");

@@ -104,6 +104,9 @@ Bur burOf(const EnamelBur& bur);
 SessionObstacle obstacleOf(const EnamelObstacleDef& def);
 std::map<std::string, std::string> parametersOf(const EnamelParameter* parameters, std::size_t count);
 
+/// Fill in the triangles of a brick. Return false if no brick has changed. Throw Error as above.
+bool takeSurface(Session& session, ObstacleId id, EnamelSurface& surface);
+
 /// Make a mechanism or a device of callbacks. Throw Error as above.
 std::shared_ptr<const Mechanism> makeMechanism(const EnamelMechanism& mechanism);
 std::unique_ptr<HapticDevice> makeDevice(const EnamelDevice& device, int joints);

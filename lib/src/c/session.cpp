@@ -134,6 +134,7 @@ std::int32_t enamel_obstacle_defaults(EnamelObstacleDef* def) {
   def->size = sizeof *def;
   c::toPlain(Pose{}, def->pose.position, def->pose.rotation);
   def->material.stiffness = std::numeric_limits<double>::infinity();
+  def->unit = 1e-3;
   def->cell = SolidOptions{}.cell;
   def->active = 1;
   return ENAMEL_OK;
@@ -175,9 +176,7 @@ std::int32_t enamel_message(EnamelSession* session, EnamelMessage message) {
 }
 
 std::int32_t enamel_start_device(EnamelSession* session, const EnamelDevice* device) {
-  return runWith(session, device != nullptr, [&](Session& s) {
-    s.start(c::makeDevice(*device, session->joints));
-  });
+  return runWith(session, device != nullptr, [&](Session& s) { s.start(c::makeDevice(*device, session->joints)); });
 }
 
 std::int32_t enamel_start_virtual(EnamelSession* session, EnamelHand hand, void* user) {
@@ -275,6 +274,22 @@ std::int32_t enamel_move_vertices(EnamelSession* session, EnamelObstacle obstacl
     for (std::size_t i = 0; i < count; ++i) places.emplace_back(Eigen::Map<const Vec3>(positions + 3 * i));
     s.moveVertices(idOf(obstacle), std::move(numbers), std::move(places));
   });
+}
+
+std::int32_t enamel_solid_bricks(EnamelSession* session, EnamelObstacle obstacle, std::int32_t* count) {
+  return runWith(session, count != nullptr, [&](Session& s) {
+    const std::shared_ptr<const Solid> solid = s.solid(idOf(obstacle));
+    if (!solid) throw Error("the obstacle is not a solid");
+    *count = solid->bricks();
+  });
+}
+
+std::int32_t enamel_take_surface(EnamelSession* session, EnamelObstacle obstacle, EnamelSurface* surface) {
+  if (session == nullptr || surface == nullptr) return ENAMEL_NULL;
+  if (!c::isKnown(*surface)) return wrongSize(*session);
+  bool found = false;
+  const std::int32_t result = run(session, [&](Session& s) { found = c::takeSurface(s, idOf(obstacle), *surface); });
+  return result != ENAMEL_OK || found ? result : std::int32_t{ENAMEL_NOTHING};
 }
 
 std::int32_t enamel_restore(EnamelSession* session, EnamelObstacle obstacle) {

@@ -89,6 +89,9 @@ class Session {
   void restore(ObstacleId id);
   bool takeChange(ObstacleId id, BrickChange& change);
 
+  /// Return the solid as it was given, without cuts; null for other shapes. Its bricks have the numbers of the changes.
+  std::shared_ptr<const Solid> solid(ObstacleId id) const;
+
   // Tool, renderer, control.
 
   /// Change the tool. Without a bur, nothing is cut. Throws Error as Drill and checkTool().
