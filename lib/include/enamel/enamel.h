@@ -355,7 +355,7 @@ ENAMEL_API int32_t enamel_reset(EnamelSession* session);
 ENAMEL_API int32_t enamel_record(EnamelSession* session, const char* path);
 ENAMEL_API int32_t enamel_stop_recording(EnamelSession* session, uint64_t* ticks, uint64_t* lost);
 
-/* What before_tick may do. Loop; safe in real time. */
+/* For before_tick. Loop; safe in real time. */
 ENAMEL_API int32_t enamel_tick_measurement(EnamelTickAccess* access, EnamelMeasurement* measurement);
 ENAMEL_API int32_t enamel_tick_move(EnamelTickAccess* access, EnamelObstacle obstacle, const EnamelPose* pose,
                                     const double* twist);
