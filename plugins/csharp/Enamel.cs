@@ -386,7 +386,7 @@ namespace Enamel
         public static extern int enamel_take_surface(IntPtr session, EnamelObstacle obstacle, ref EnamelSurface surface);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        public static extern int enamel_set_tool(IntPtr session, ref EnamelTool tool, ref EnamelBur bur);
+        public static extern int enamel_set_tool(IntPtr session, IntPtr tool, IntPtr bur);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_set_renderer(IntPtr session, [MarshalAs(UnmanagedType.LPUTF8Str)] string name, EnamelParameter[] parameters, UIntPtr parameter_count);
@@ -481,16 +481,17 @@ namespace Enamel
         IntPtr handle;
         readonly List<object> kept = new List<object>(); // delegates that C refers to
 
-        /// Texts may be null. `change` edits the other members of the definition.
+        /// Texts and `start` may be null. `change` edits the other members of the definition.
         public Session(string device = null, string scene = null, string renderer = "position-control",
-                       Func<EnamelSessionDef, EnamelSessionDef> change = null)
+                       EnamelPose? start = null, Func<EnamelSessionDef, EnamelSessionDef> change = null)
         {
             var def = new EnamelSessionDef();
             Native.enamel_session_defaults(ref def);
-            var texts = new[] { Text(device), Text(scene), Text(renderer) };
+            var texts = new[] { Text(device), Text(scene), Text(renderer), Copy(start) };
             def.device = texts[0];
             def.scene = texts[1];
             def.renderer = texts[2];
+            def.start = texts[3];
             if (change != null) def = change(def);
             var message = new EnamelMessage { text = Marshal.AllocHGlobal(MessageSize), size = (UIntPtr)MessageSize };
             try
@@ -538,6 +539,9 @@ namespace Enamel
             Check(Native.enamel_start_device(handle, ref device));
         }
 
+        /// Continue after a fault of the guard.
+        public void Reset() { Check(Native.enamel_reset(handle)); }
+
         public void Stop() { Check(Native.enamel_stop(handle)); }
 
         public EnamelSnapshot Snapshot()
@@ -580,6 +584,39 @@ namespace Enamel
             }
         }
 
+        /// Add a mesh file: PLY, OBJ, STL or OFF, with the unit of its coordinates in m.
+        public EnamelObstacle AddMesh(string name, string file, double unit,
+                                      Func<EnamelObstacleDef, EnamelObstacleDef> change = null)
+        {
+            var path = Text(file);
+            try
+            {
+                return Add(name, EnamelShape.ENAMEL_MESH, def =>
+                {
+                    def.file = path;
+                    def.unit = unit;
+                    return change == null ? def : change(def);
+                });
+            }
+            finally
+            {
+                Marshal.FreeHGlobal(path);
+            }
+        }
+
+        /// Use a tool of these parts, without a bur.
+        public void SetTool(params EnamelToolPart[] parts)
+        {
+            var tool = new EnamelTool { size = (uint)Marshal.SizeOf(typeof(EnamelTool)), count = parts.Length };
+            tool.parts = new EnamelToolPart[8];
+            for (int i = 0; i < tool.parts.Length; ++i)
+                tool.parts[i] = i < parts.Length ? parts[i] : new EnamelToolPart { a = new double[3], b = new double[3] };
+            var memory = Marshal.AllocHGlobal(Marshal.SizeOf(typeof(EnamelTool)));
+            Marshal.StructureToPtr(tool, memory, false);
+            try { Check(Native.enamel_set_tool(handle, memory, IntPtr.Zero)); }
+            finally { Marshal.FreeHGlobal(memory); }
+        }
+
         public EnamelObstacle Add(string name, EnamelShape shape, Func<EnamelObstacleDef, EnamelObstacleDef> change = null)
         {
             var def = new EnamelObstacleDef();
@@ -604,6 +641,20 @@ namespace Enamel
         public void Move(EnamelObstacle obstacle, EnamelPose pose)
         {
             Check(Native.enamel_move(handle, obstacle, ref pose, null));
+        }
+
+        /// Name of an event in plain words.
+        public static string TextOf(EnamelEventKind kind) { return FromUtf8(Native.enamel_event_text((int)kind)); }
+
+        /// Name of a reason of the guard in plain words.
+        public static string TextOfReason(int reason) { return FromUtf8(Native.enamel_reason_text(reason)); }
+
+        static IntPtr Copy(EnamelPose? pose)
+        {
+            if (pose == null) return IntPtr.Zero;
+            var copy = Marshal.AllocHGlobal(Marshal.SizeOf(typeof(EnamelPose)));
+            Marshal.StructureToPtr(pose.Value, copy, false);
+            return copy;
         }
 
         static IntPtr Text(string text)

@@ -490,6 +490,14 @@ def pose(position=(0.0, 0.0, 0.0), rotation=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 
     return EnamelPose(_array(c_double, position), _array(c_double, rotation))
 
 
+def tool(*parts):
+    """Return a tool of capsules: (end, end, radius), in m."""
+    result = EnamelTool(size=ctypes.sizeof(EnamelTool), count=len(parts))
+    for number, (a, b, radius) in enumerate(parts):
+        result.parts[number] = EnamelToolPart(_array(c_double, a), _array(c_double, b), radius)
+    return result
+
+
 class Session:
     """A session. Keyword arguments are the members of EnamelSessionDef: texts as bytes, structs by value."""
 

@@ -28,9 +28,7 @@ static class Push
             return 0;
         }
         var start = new EnamelPose { position = new[] { 0.0, 0.0, 0.5e-3 }, rotation = new[] { 1.0, 0, 0, 0, 1, 0, 0, 0, 1 } };
-        var place = Marshal.AllocHGlobal(Marshal.SizeOf(typeof(EnamelPose)));
-        Marshal.StructureToPtr(start, place, false);
-        using (var session = new Session(change: def => { def.start = place; return def; }))
+        using (var session = new Session(start: start))
         {
             var plate = session.AddMesh("plate", Vertices, Triangles);
             IntPtr device;

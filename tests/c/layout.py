@@ -288,6 +288,8 @@ class CSharp:
                 kind = a.base if a.base in h.callbacks else self.parameter(a)
                 if kind == "ref EnamelParameter":
                     kind = "EnamelParameter[]"
+                if name == "enamel_set_tool" and a.pointers:
+                    kind = "IntPtr"  # the bur may be missing
                 kinds.append("%s %s" % (kind, self.name(a)))
             returned = "IntPtr" if result.pointers else self.plain(result)
             out += ["        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]",
