@@ -1,4 +1,4 @@
-// What a session records replays bit for bit; what would not replay is refused. Solids that two sessions share.
+// A session's recording replays bit for bit. A recording that would not replay is refused. Solids that two sessions share.
 #include <filesystem>
 
 #include "enamel/core/error.hpp"

@@ -185,6 +185,11 @@ bool Session::takeChange(ObstacleId id, BrickChange& change) {
   return changes->take(change);
 }
 
+std::shared_ptr<const Solid> Session::solid(ObstacleId id) const {
+  const Lock lock(impl_->group->mutex);
+  return impl_->group->obstacles.solids[impl_->slotOf(id)];
+}
+
 void Session::record(const std::string& path) {
   const Lock lock(impl_->group->mutex);
   const auto refuse = [](const char* what) {

@@ -183,8 +183,8 @@ std::size_t Session::Impl::slotOf(ObstacleId id) const {
   const std::vector<std::uint32_t>& generation = group->obstacles.generation;
   const auto slot = static_cast<std::size_t>(id.slot);
   if (id.slot < 0 || slot >= generation.size() || id.generation == 0 || generation[slot] != id.generation)
-    throw Error("session: the obstacle with slot " + std::to_string(id.slot) + " and generation " +
-                std::to_string(id.generation) + " is missing: it was removed, or it belongs to another session");
+    throw Error("session: no obstacle has slot " + std::to_string(id.slot) + " and generation " +
+                std::to_string(id.generation) + ": it was removed, or it belongs to another session");
   return slot;
 }
 

@@ -34,7 +34,7 @@ struct OwnSolids {
   std::vector<std::shared_ptr<SolidChanges>> changes;
 };
 
-/// What the loop of one session works with. Built on a caller's thread; the loop exchanges it as a whole.
+/// The obstacles and the bur of the loop of one session. Built on a caller's thread; the loop exchanges it as a whole.
 struct World : OwnSolids {
   Scene scene;                                      // stated poses, from the callers and from beforeTick
   std::vector<std::uint32_t> generation, revision;  // by slot

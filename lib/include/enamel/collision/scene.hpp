@@ -68,8 +68,8 @@ class Scene {
   std::vector<Obstacle> obstacles_;
 };
 
-/// Return whether an obstacle continues to exist in another scene: it has the same number, name, shape (of a mesh or
-/// solid: the same object) and thickness, and is active in both. Realtime: yes.
+/// Return whether an obstacle continues to exist in another scene. It must be active in both, with the same number,
+/// name, shape and thickness. Meshes and solids are the same if they are the same object. Realtime: yes.
 bool isSameObstacle(const Scene& before, const Scene& now, std::size_t number) noexcept;
 
 /// Return a rotation whose third column is `axis` (unit length, W): the frame of a half space or a capsule.

@@ -1,4 +1,4 @@
-// What a tick can touch: obstacles, their motion, the tool, and the tool's path among the obstacles.
+// The surroundings of a tick: obstacles, their motion, the tool, and the tool's path among the obstacles.
 #pragma once
 
 #include <cstddef>

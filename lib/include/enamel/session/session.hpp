@@ -56,7 +56,8 @@ class Session {
   /// Return the newest state. Never waits for the loop.
   Snapshot snapshot() const;
 
-  /// Take the oldest event. Return false if there is none. There is room for 1024.
+  /// Take the oldest event. Return false if no event is waiting. The queue has room for
+  /// 1024.
   bool nextEvent(SessionEvent& event);
 
   // Obstacles.
@@ -68,7 +69,7 @@ class Session {
   void replace(ObstacleId id, const SessionObstacle& by);
   void remove(ObstacleId id);
 
-  /// Return the obstacle with this name; generation 0 if there is none.
+  /// Return the obstacle with this name; generation 0 if the name is unknown.
   ObstacleId find(const std::string& name) const;
 
   /// Set pose and twist, as Scene::move(): SceneMotion interpolates poses that come at frame rate.
@@ -89,6 +90,9 @@ class Session {
   /// SolidChanges::take(). After restore() and replace() they are changes of the new copy.
   void restore(ObstacleId id);
   bool takeChange(ObstacleId id, BrickChange& change);
+
+  /// Return the solid as it was given, without cuts; null for other shapes. Its bricks have the numbers of the changes.
+  std::shared_ptr<const Solid> solid(ObstacleId id) const;
 
   // Tool, renderer, control.
 
@@ -128,7 +132,7 @@ class Session {
   /// Return the haptic tick. Only on the thread of tick() or of SessionDef::beforeTick, or while no loop runs.
   const HapticTick& haptics() const noexcept;
 
-  /// Return the loop of start(), for its timing and counters; null if there is none. It ends with stop(). Only on the
+  /// Return the loop of start(), for its timing and counters; null without one. It ends with stop(). Only on the
   /// thread that calls start() and stop().
   const HapticLoop* loop() const noexcept;
 
@@ -138,8 +142,8 @@ class Session {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What SessionDef::beforeTick may do: its thread is the loop's. Realtime: yes. The changes act in this tick, and only
-/// in this session. An obstacle that was removed meanwhile is ignored.
+/// The functions for SessionDef::beforeTick, on the loop's thread. Realtime: yes. The changes act in this tick, and
+/// only in this session. An obstacle that was removed meanwhile is ignored.
 class TickAccess {
  public:
   const Measurement& measurement() const noexcept { return measurement_; }  ///< of this tick

@@ -81,7 +81,7 @@ struct Snapshot {
   std::uint64_t lostCuts = 0;       ///< cuts that another session did not take in time: its solids have more material
 };
 
-/// What happened in a tick.
+/// Kind of an event in a tick.
 enum class EventKind : std::uint8_t {
   contactBegin,  ///< a part of the tool touches an obstacle
   contactEnd,    ///< it has not touched it for 20 ms
