@@ -177,6 +177,8 @@ TEST_CASE("a cut that another session has not yet taken is not made in a restore
     cutting->restore(id);
     for (int i = 0; i < 5; ++i) tick(watching, other, 0.0);
     CHECK(areEqual(*solidOf(*cutting), *tooth.solid));
+    BrickChange change;
+    CHECK_FALSE(cutting->takeChange(id, change));  // the drawing begins with the whole solid again
     CHECK(areEqual(*solidOf(watching), *tooth.solid));
   }
   SECTION("replaced") {

@@ -333,7 +333,8 @@ ENAMEL_API int32_t enamel_set_material(EnamelSession* session, EnamelObstacle ob
 ENAMEL_API int32_t enamel_activate(EnamelSession* session, EnamelObstacle obstacle, int32_t active);
 ENAMEL_API int32_t enamel_move_vertices(EnamelSession* session, EnamelObstacle obstacle, const int32_t* vertices,
                                         const double* positions, size_t count);
-ENAMEL_API int32_t enamel_restore(EnamelSession* session, EnamelObstacle obstacle); /* the material of a solid */
+/* Make a solid whole. Then draw its uncut bricks again. */
+ENAMEL_API int32_t enamel_restore(EnamelSession* session, EnamelObstacle obstacle);
 
 /* Draw a solid that is cut: draw each of its bricks once, then those that changed. ENAMEL_NOTHING: none has changed. A
  * brick replaces the triangles that were drawn for it. */
