@@ -52,7 +52,7 @@ TEST_CASE("ticks of a session allocate nothing while another thread changes ever
   VirtualDevice device(session.mechanism(), test::Bench::setupOf(session));
   long allocated = 0;
   std::uint32_t buttons = 0;
-  double force = 2.0;
+  double goal = 0.0;  // of the hand, m
   int inContact = 0;
   const auto run = [&](int ticks) {
     for (int i = 0; i < ticks; ++i) {
@@ -66,7 +66,9 @@ TEST_CASE("ticks of a session allocate nothing while another thread changes ever
       inContact += session.snapshot().tick.mode == RenderMode::contact;
       REQUIRE(device.actuate(command) == Status::ok);
       REQUIRE(device.advance([&, start = session.start()](double, const Pose& pose, const Vec6& twist) {
-        return test::pushing(force, start, pose, twist);
+        Vec6 wrench = guidingWrench(pose, twist, start, Vec3::UnitZ());
+        wrench[2] += 400.0 * (goal - pose.position.z()) - 10.0 * twist[2];
+        return wrench;
       }) == Status::ok);
     }
   };
@@ -108,10 +110,9 @@ TEST_CASE("ticks of a session allocate nothing while another thread changes ever
   session.enable(true);
   session.spin(true);
   session.restore(cut);
-  force = 3.0;
   run(600);
   CHECK(session.snapshot().removed[0] > removed);
-  force = -2.0;
+  goal = 20e-3;
   run(200);
   CHECK(allocated == 0);
   CHECK(changes == 150);

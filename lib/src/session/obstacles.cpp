@@ -23,6 +23,10 @@ Obstacle shapedOf(const SessionObstacle& obstacle) {
   return shaped;
 }
 
+[[noreturn]] void refuseShape(const Obstacles& all, ObstacleId id) {
+  throw Error("obstacle \"" + all.scene.obstacles()[static_cast<std::size_t>(id.slot)].name + "\": it is not a solid");
+}
+
 // The scene of a recording without a scene file.
 bool isFlatWall(const Scene& scene, const session::SessionTool& tool) {
   const Scene wall = flatWall();
@@ -166,24 +170,19 @@ void Session::moveVertices(ObstacleId id, std::vector<int> vertices, std::vector
 void Session::restore(ObstacleId id) {
   const Lock lock(impl_->group->mutex);
   const std::size_t slot = impl_->slotOf(id);
-  require(impl_->group->obstacles.solids[slot] != nullptr,
-          "obstacle \"" + impl_->group->obstacles.scene.obstacles()[slot].name + "\": it is not a solid");
-  for (Impl* member : impl_->group->members) member->requireRoom();
-  const std::uint32_t revision = impl_->group->obstacles.revision[slot] = ++impl_->group->lastGeneration;
-  for (Impl* member : impl_->group->members)
-    member->post([member, slot, revision, solid = member->solids.solids[slot]]() noexcept {
-      member->stray();
-      member->world->revision[slot] = revision;
-      solid->restore();
-    });
+  if (!impl_->group->obstacles.solids[slot]) refuseShape(impl_->group->obstacles, id);
+  Obstacles next = impl_->group->obstacles;
+  // A new copy: Solid::restore() of the old one would take the loop some ms.
+  next.revision[slot] = impl_->group->lastGeneration + 1;
+  impl_->changeObstacles(std::move(next));
+  ++impl_->group->lastGeneration;
 }
 
 bool Session::takeChange(ObstacleId id, BrickChange& change) {
   const Lock lock(impl_->group->mutex);
-  const std::size_t slot = impl_->slotOf(id);
-  require(impl_->solids.changes[slot] != nullptr,
-          "obstacle \"" + impl_->group->obstacles.scene.obstacles()[slot].name + "\": it is not a solid");
-  return impl_->solids.changes[slot]->take(change);
+  SolidChanges* const changes = impl_->solids.changes[impl_->slotOf(id)].get();
+  if (changes == nullptr) refuseShape(impl_->group->obstacles, id);
+  return changes->take(change);
 }
 
 std::shared_ptr<const Solid> Session::solid(ObstacleId id) const {

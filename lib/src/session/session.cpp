@@ -182,9 +182,9 @@ void Session::Impl::goLive() {
 std::size_t Session::Impl::slotOf(ObstacleId id) const {
   const std::vector<std::uint32_t>& generation = group->obstacles.generation;
   const auto slot = static_cast<std::size_t>(id.slot);
-  require(id.slot >= 0 && slot < generation.size() && id.generation != 0 && generation[slot] == id.generation,
-          "session: no obstacle has slot " + std::to_string(id.slot) + " and generation " +
-              std::to_string(id.generation) + ": it was removed, or it belongs to another session");
+  if (id.slot < 0 || slot >= generation.size() || id.generation == 0 || generation[slot] != id.generation)
+    throw Error("session: no obstacle has slot " + std::to_string(id.slot) + " and generation " +
+                std::to_string(id.generation) + ": it was removed, or it belongs to another session");
   return slot;
 }
 

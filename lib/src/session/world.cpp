@@ -40,7 +40,7 @@ std::unique_ptr<World> makeWorld(const Obstacles& obstacles, const Obstacles& be
   for (std::size_t i = 0; i < slots; ++i) {
     if (!obstacles.solids[i]) continue;
     const bool continues = i < own.solids.size() && before.generation[i] == obstacles.generation[i] &&
-                           before.solids[i] == obstacles.solids[i];
+                           before.revision[i] == obstacles.revision[i];
     world->solids[i] = continues ? own.solids[i] : std::make_shared<Solid>(*obstacles.solids[i]);
     world->changes[i] = continues ? own.changes[i] : std::make_shared<SolidChanges>();
   }

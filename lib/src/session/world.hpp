@@ -44,7 +44,7 @@ struct World : OwnSolids {
   bool keepsDrill = false;          // the tool is the same: continue with the drill of the world before
 };
 
-/// Build a world. `own` are the copies for the obstacles `before`; a copy continues if obstacle and original are the
+/// Build a world. `own` are the copies for the obstacles `before`; a copy continues if obstacle and revision are the
 /// same. Throws Error as makeToolTrack() and Drill.
 std::unique_ptr<World> makeWorld(const Obstacles& obstacles, const Obstacles& before, const OwnSolids& own,
                                  const SessionTool& tool, bool isNewTool);

@@ -86,7 +86,8 @@ class Session {
   /// share the obstacle: then replace() it.
   void moveVertices(ObstacleId id, std::vector<int> vertices, std::vector<Vec3> positions);
 
-  /// Restore the material of a solid. Take changed bricks of a solid for drawing, as SolidChanges::take().
+  /// Replace the solid by a new copy, without cuts. Take changed bricks of a solid for drawing, as
+  /// SolidChanges::take(). After restore() and replace() they are changes of the new copy.
   void restore(ObstacleId id);
   bool takeChange(ObstacleId id, BrickChange& change);
 
