@@ -202,6 +202,30 @@ TEST_CASE("a push has the same bits in C++, C, Python and C#", "[c]") {
   CHECK(lines > 100);
 }
 
+TEST_CASE("an own tooth in Python and C#, by the commands of the page", "[c]") {
+  const std::string page = test::readFile(ENAMEL_SOURCE_DIR "/plugins/LANGUAGES.md");
+  // The page is for a release build in the project's folder.
+  const auto run = [&](std::string command, const std::string& folder) {
+    INFO(command);
+    CHECK(page.find(command) != std::string::npos);
+    const std::string library = ENAMEL_C_LIBRARY;
+    for (const auto& [from, to] : {std::pair<std::string, std::string>{"build/release/lib/libenamel.so", library},
+                                   {"build/release/lib", library.substr(0, library.rfind('/'))},
+                                   {"own_tooth.exe", folder + "/own_tooth.exe"}})
+      if (const std::size_t at = command.find(from); at != std::string::npos) command.replace(at, from.size(), to);
+    return outputOf("cd " ENAMEL_SOURCE_DIR " && PYTHONDONTWRITEBYTECODE=1 " + command);
+  };
+  const test::TemporaryFolder folder;
+  CHECK_THAT(
+      run("ENAMEL_LIBRARY=build/release/lib/libenamel.so python3 plugins/ctypes/own_tooth.py data/meshes/molar.ply",
+          ""),
+      ContainsSubstring("contact begins"));
+  if (std::system("command -v mcs >/dev/null && command -v mono >/dev/null") != 0) return;
+  run("mcs -out:own_tooth.exe plugins/csharp/OwnTooth.cs plugins/csharp/Enamel.cs", folder / "");
+  CHECK_THAT(run("LD_LIBRARY_PATH=build/release/lib mono own_tooth.exe data/meshes/molar.ply", folder / ""),
+             ContainsSubstring("contact begins"));
+}
+
 TEST_CASE("the stored binary interface is that of the header", "[c]") {
   CHECK(outputOf("python3 " + kClients + "layout.py --check").empty());
   CHECK(enamel_version() == ENAMEL_VERSION_MAJOR * 65536 + ENAMEL_VERSION_MINOR * 256 + ENAMEL_VERSION_PATCH);

@@ -1,4 +1,4 @@
-/* A host in C99: an own mesh, felt with a simulated device, in fewer than 60 lines. A hand pushes the tool down onto a
+/* A host in C99: an own mesh, felt with a simulated device, in 60 lines. A hand pushes the tool down onto a
  * pyramid that moves to the side. The program prints the state 30 times a second and stops when the wall pushes back.
  * A device of your own is a struct of functions: EnamelDevice in enamel.h.
  */
