@@ -5,7 +5,7 @@
 # - enamel-doc: pages and examples;
 # - enamel-data: devices, scenes, meshes and servos.
 # The C++ libraries are static: a program keeps the version with which it was tested. The binary interfaces are those of
-# plugins (enamel/plugin/abi.h) and of hosts (enamel/enamel.h, libenamel.so).
+# plugins (enamel/plugin/abi.h) and of hosts (enamel/c/enamel.h, libenamel.so).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME enamel)
 set(CPACK_PACKAGE_CONTACT "The authors of Enamel")

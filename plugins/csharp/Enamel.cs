@@ -1,5 +1,5 @@
 // Enamel for C#: the C interface through P/Invoke. Copy this file into a Unity project, and enamel.dll (Windows) or
-// libenamel.so (Linux) into Assets/Plugins. Structs and functions have the names and contracts of enamel/enamel.h.
+// libenamel.so (Linux) into Assets/Plugins. Structs and functions have the names and contracts of enamel/c/enamel.h.
 //
 //   using (var session = new Enamel.Session()) {
 //     session.StartVirtual();

@@ -5,7 +5,7 @@
         session.start_virtual()
         print(session.snapshot().position[:])
 
-The structs and functions have the names and contracts of enamel/enamel.h. Errors raise EnamelError with the reason.
+The structs and functions have the names and contracts of enamel/c/enamel.h. Errors raise EnamelError with the reason.
 """
 
 import ctypes

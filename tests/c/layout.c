@@ -1,5 +1,5 @@
 /* The layout of enamel.h as tests/c/layout.py has it, checked by the compiler. Written by it. */
-#include <enamel/enamel.h>
+#include <enamel/c/enamel.h>
 
 #define CHECK(name, a, b) extern char name[(a) == (b) ? 1 : -1]
 

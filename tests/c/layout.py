@@ -11,7 +11,7 @@ import re
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-HEADERS = ["lib/include/enamel/plugin/abi.h", "lib/include/enamel/enamel.h"]
+HEADERS = ["lib/include/enamel/plugin/abi.h", "lib/include/enamel/c/enamel.h"]
 DESCRIPTION = "lib/src/c/enamel.abi"
 PROOF = "tests/c/layout.c"
 PYTHON = "plugins/ctypes/enamel_c.py"
@@ -143,9 +143,7 @@ def description(header):
 
 def proof(header):
     lines = ["/* The layout of enamel.h as tests/c/layout.py has it, checked by the compiler. Written by it. */",
-             "#include <enamel/enamel.h>", "", "#define SAME(a, b) typedef char same_##__LINE__[(a) == (b) ? 1 : -1]",
-             "#define CHECK(name, a, b) extern char name[(a) == (b) ? 1 : -1]", ""]
-    lines.remove("#define SAME(a, b) typedef char same_##__LINE__[(a) == (b) ? 1 : -1]")
+             "#include <enamel/c/enamel.h>", "", "#define CHECK(name, a, b) extern char name[(a) == (b) ? 1 : -1]", ""]
     for name in header.structs:
         size, places = header.layout(name)
         lines.append("CHECK(size_%s, sizeof(%s), %d);" % (name, name, size))

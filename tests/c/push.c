@@ -1,6 +1,6 @@
 /* A host in C99: an own mesh as an obstacle, a push on the virtual device, and the bits of the torques of every
  * tick. The other clients (push.py, Push.cs, tests/unit/c_interface.cpp) print the same. */
-#include <enamel/enamel.h>
+#include <enamel/c/enamel.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <vector>
 
+#include "enamel/c/enamel.h"
 #include "enamel/device/device_file.hpp"
-#include "enamel/enamel.h"
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/session/session.hpp"
 #include "support/catch.hpp"

@@ -6,9 +6,9 @@
 #include <thread>
 #include <vector>
 
+#include "enamel/c/enamel.h"
 #include "enamel/core/unity_frame.hpp"
 #include "enamel/device/device_file.hpp"
-#include "enamel/enamel.h"
 #include "enamel/session/session.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"

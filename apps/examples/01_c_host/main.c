@@ -3,7 +3,7 @@
  * A device of your own is a struct of functions: EnamelDevice in enamel.h.
  */
 #define _POSIX_C_SOURCE 199309L /* nanosleep() */
-#include <enamel/enamel.h>
+#include <enamel/c/enamel.h>
 #include <stdio.h>
 #include <time.h>
 

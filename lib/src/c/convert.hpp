@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "enamel/enamel.h"
+#include "enamel/c/enamel.h"
 #include "enamel/session/session.hpp"
 #include "plugin/convert.hpp"
 
