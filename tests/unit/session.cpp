@@ -416,13 +416,16 @@ TEST_CASE("a loop in its own thread, changed by two others at random", "[session
   CHECK(session.isRunning());
   CHECK_THROWS_WITH(session.start(makeVirtualDevice(session)), ContainsSubstring("already running"));
   std::atomic<int> failures{0}, changes{0};
+  const int steps = test::count(300, 600000);  // the long run takes ten minutes
   const auto disturb = [&](std::uint64_t seed) {
     test::Random random(seed);
+    SessionObstacle edited = ball("edited " + std::to_string(seed), {0.02, 0.0, 0.02}, 1e-3);
+    edited.mesh = std::make_shared<MeshModel>(test::boxMesh(Vec3::Constant(1e-3)));
+    const ObstacleId deforms = session.add(edited);
     std::vector<ObstacleId> mine;
-    const int steps = test::count(300, 60000);
     for (int i = 0; i < steps; ++i) {
       try {
-        const double what = random.uniform(0.0, 6.0);
+        const double what = random.uniform(0.0, 7.0);
         const Vec3 place = Vec3(0.02, 0.0, 0.0) + random.vector(0.01);
         if (mine.size() < 4 || what < 1.0) {
           SessionObstacle obstacle = ball(std::to_string(seed) + " " + std::to_string(i), place, 2e-3);
@@ -439,9 +442,11 @@ TEST_CASE("a loop in its own thread, changed by two others at random", "[session
           Material soft;
           soft.stiffness = 2000.0;
           session.setMaterial(mine[0], soft);
-        } else {
+        } else if (what < 6.0) {
           SessionObstacle by = ball("", place, 1e-3);
           session.replace(mine[0], by);
+        } else {
+          session.moveVertices(deforms, {i % 8}, {random.vector(1e-3)});
         }
         ++changes;
         (void)session.snapshot();
@@ -458,7 +463,7 @@ TEST_CASE("a loop in its own thread, changed by two others at random", "[session
   session.stop();
   CHECK_FALSE(session.isRunning());
   CHECK(failures == 0);
-  CHECK(changes == 2 * test::count(300, 60000));
+  CHECK(changes == 2 * steps);
   CHECK(now.tick.number > 0);
   for (SessionEvent event; session.nextEvent(event);)
     if (event.kind == EventKind::guardStop) CHECK(event.reason == GuardReason::late);  // on a busy machine
