@@ -512,7 +512,10 @@ namespace Enamel
         {
             Native.enamel_session_destroy(handle);
             handle = IntPtr.Zero;
+            GC.SuppressFinalize(this);
         }
+
+        ~Session() { Native.enamel_session_destroy(handle); }
 
         /// Throw if the result of a native function is an error.
         public void Check(int result)
@@ -605,16 +608,30 @@ namespace Enamel
         }
 
         /// Use a tool of these parts, without a bur.
-        public void SetTool(params EnamelToolPart[] parts)
+        public void SetTool(params EnamelToolPart[] parts) { SetTool(null, parts); }
+
+        /// Use a tool of these parts. One of them is a bur.
+        public void SetTool(EnamelBur? bur, EnamelToolPart[] parts)
         {
             var tool = new EnamelTool { size = (uint)Marshal.SizeOf(typeof(EnamelTool)), count = parts.Length };
             tool.parts = new EnamelToolPart[8];
             for (int i = 0; i < tool.parts.Length; ++i)
                 tool.parts[i] = i < parts.Length ? parts[i] : new EnamelToolPart { a = new double[3], b = new double[3] };
             var memory = Marshal.AllocHGlobal(Marshal.SizeOf(typeof(EnamelTool)));
+            var cutting = bur == null ? IntPtr.Zero : Marshal.AllocHGlobal(Marshal.SizeOf(typeof(EnamelBur)));
             Marshal.StructureToPtr(tool, memory, false);
-            try { Check(Native.enamel_set_tool(handle, memory, IntPtr.Zero)); }
-            finally { Marshal.FreeHGlobal(memory); }
+            if (bur != null)
+            {
+                var given = bur.Value;
+                given.size = (uint)Marshal.SizeOf(typeof(EnamelBur));
+                Marshal.StructureToPtr(given, cutting, false);
+            }
+            try { Check(Native.enamel_set_tool(handle, memory, cutting)); }
+            finally
+            {
+                Marshal.FreeHGlobal(memory);
+                Marshal.FreeHGlobal(cutting);
+            }
         }
 
         public EnamelObstacle Add(string name, EnamelShape shape, Func<EnamelObstacleDef, EnamelObstacleDef> change = null)
@@ -642,6 +659,15 @@ namespace Enamel
         {
             Check(Native.enamel_move(handle, obstacle, ref pose, null));
         }
+
+        public void SetMaterial(EnamelObstacle obstacle, EnamelMaterial material)
+        {
+            Check(Native.enamel_set_material(handle, obstacle, ref material));
+        }
+
+        public void Activate(EnamelObstacle obstacle, bool on) { Check(Native.enamel_activate(handle, obstacle, on ? 1 : 0)); }
+
+        public void Spin(bool on) { Check(Native.enamel_spin(handle, on ? 1 : 0)); }
 
         /// Name of an event in plain words.
         public static string TextOf(EnamelEventKind kind) { return FromUtf8(Native.enamel_event_text((int)kind)); }

@@ -1,7 +1,7 @@
 """Enamel for Python without a compiler: the C interface through ctypes. Copy this file beside your program.
 
     import enamel_c
-    with enamel_c.Session(scene=b"scene.toml") as session:
+    with enamel_c.Session(scene="scene.toml") as session:
         session.start_virtual()
         print(session.snapshot().position[:])
 
@@ -10,6 +10,7 @@ The structs and functions have the names and contracts of enamel/c/enamel.h. Err
 
 import ctypes
 import os
+import weakref
 from ctypes import (CFUNCTYPE, POINTER, Structure, byref, c_char_p, c_double, c_int32, c_size_t, c_uint32, c_uint64,
                     c_void_p)
 
@@ -480,6 +481,18 @@ def load(path=None):
     return library
 
 
+def _member(struct, key, value):
+    """Return a value for a member of a struct: texts become bytes. Raise EnamelError for an unknown member."""
+    if key not in dict(struct._fields_):
+        raise EnamelError("%s has no member \"%s\"" % (struct.__name__, key))
+    return value.encode() if isinstance(value, str) else value
+
+
+def _destroy(library, handle, kept):
+    library.enamel_session_destroy(handle)
+    kept.clear()
+
+
 def _array(kind, values):
     values = list(values)
     return (kind * len(values))(*values)
@@ -488,6 +501,16 @@ def _array(kind, values):
 def pose(position=(0.0, 0.0, 0.0), rotation=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)):
     """Return a pose: m, and the rows of a rotation matrix."""
     return EnamelPose(_array(c_double, position), _array(c_double, rotation))
+
+
+def material(stiffness=float("inf"), friction=0.0, sliding_friction=None, viscosity=0.0):
+    """Return a material: N/m, friction at rest, friction while sliding (default: the same), N s/m."""
+    return EnamelMaterial(stiffness, friction, friction if sliding_friction is None else sliding_friction, viscosity)
+
+
+def bur(part=0, wear=0.05, turns=2000.0):
+    """Return a bur: part of the tool, Archard's coefficient, turns per second."""
+    return EnamelBur(ctypes.sizeof(EnamelBur), part, wear, turns)
 
 
 def tool(*parts):
@@ -499,7 +522,7 @@ def tool(*parts):
 
 
 class Session:
-    """A session. Keyword arguments are the members of EnamelSessionDef: texts as bytes, structs by value."""
+    """A session. Keyword arguments are the members of EnamelSessionDef: texts, numbers, structs by value."""
 
     def __init__(self, library=None, **definition):
         self.library = library or load()
@@ -508,6 +531,7 @@ class Session:
         given = EnamelSessionDef()
         self.library.enamel_session_defaults(byref(given))
         for key, value in definition.items():
+            value = _member(EnamelSessionDef, key, value)
             if isinstance(value, Structure):
                 self._kept.append(value)
                 value = ctypes.pointer(value)
@@ -517,9 +541,11 @@ class Session:
         message = EnamelMessage(ctypes.cast(text, c_void_p), len(text))
         if self.library.enamel_session_create(byref(given), byref(self.handle), message) != ENAMEL_OK:
             raise EnamelError(text.value.decode() or "enamel_session_create failed")
+        # Also without close(), before the callbacks are freed and before the program ends.
+        self._finalizer = weakref.finalize(self, _destroy, self.library, self.handle, self._kept)
 
     def close(self):
-        self.library.enamel_session_destroy(self.handle)
+        self._finalizer()
         self.handle = c_void_p()
 
     def __enter__(self):
@@ -540,6 +566,8 @@ class Session:
 
     def add_mesh(self, name, vertices, triangles, place=None, **members):
         """Add a mesh: vertices (x, y, z) in m, triangles (a, b, c). Members are those of EnamelObstacleDef."""
+        if any(len(v) != 3 for v in vertices) or any(len(t) != 3 for t in triangles):
+            raise EnamelError("add_mesh: a vertex must have 3 numbers, and a triangle 3 vertices")
         return self.add(name, ENAMEL_MESH, place, vertices=_array(c_double, (x for v in vertices for x in v)),
                         vertex_count=len(vertices), triangles=_array(c_int32, (i for t in triangles for i in t)),
                         triangle_count=len(triangles), **members)
@@ -552,7 +580,8 @@ class Session:
         if place is not None:
             given.pose = place
         for key, value in members.items():
-            if isinstance(value, ctypes.Array) and key in ("vertices", "triangles"):
+            value = _member(EnamelObstacleDef, key, value)
+            if isinstance(value, ctypes.Array) and key in ("vertices", "triangles", "layers"):
                 value = ctypes.cast(value, dict(EnamelObstacleDef._fields_)[key])
             setattr(given, key, value)
         obstacle = EnamelObstacle()
@@ -561,6 +590,19 @@ class Session:
 
     def move(self, obstacle, place):
         self.call("move", obstacle, byref(place), None)
+
+    def remove(self, obstacle):
+        self.call("remove", obstacle)
+
+    def set_material(self, obstacle, given):
+        self.call("set_material", obstacle, byref(given))
+
+    def set_tool(self, given, bur=None):
+        self.call("set_tool", byref(given), None if bur is None else byref(bur))
+
+    def reset(self):
+        """Continue after a fault of the guard."""
+        self.call("reset")
 
     def start_virtual(self, hand=None):
         """Run the loop on a simulated device. `hand` is an EnamelHand; it must be fast: it runs in the loop."""

@@ -12,7 +12,7 @@ def main():
     bur = enamel_c.tool(((0.0, 0.0, 0.6e-3), (0.0, 0.0, 0.6e-3), 0.6e-3))  # ends and radius; its lowest point is the TCP
     with enamel_c.Session(tool=bur, start=enamel_c.pose((0.0, 0.0, 4e-3))) as session:
         unit = 1e-3 * (float(sys.argv[2]) if len(sys.argv) > 2 else 1.0)
-        session.add("tooth", enamel_c.ENAMEL_MESH, enamel_c.pose((0.0, 0.0, -7e-3)), file=sys.argv[1].encode(), unit=unit)
+        session.add("tooth", enamel_c.ENAMEL_MESH, enamel_c.pose((0.0, 0.0, -7e-3)), file=sys.argv[1], unit=unit)
         session.start_virtual()
         now = session.snapshot()
         for _ in range(600):  # at most 20 s; a busy machine needs longer
@@ -24,7 +24,7 @@ def main():
                 break
             if now.fault != 0:  # a late tick on a busy machine; a real program asks the person first
                 print("stopped:", session.library.enamel_reason_text(now.fault).decode())
-                session.call("reset")
+                session.reset()
         session.stop()
         for event in session.events():
             print("%.3f s: %s" % (event.time, session.library.enamel_event_text(event.kind).decode()))

@@ -33,7 +33,7 @@ static class Push
             var plate = session.AddMesh("plate", Vertices, Triangles);
             IntPtr device;
             session.Check(Native.enamel_virtual_create(session.Handle, out device));
-            var measurement = new EnamelMeasurement();
+            var measurement = new EnamelMeasurement { size = (uint)Marshal.SizeOf(typeof(EnamelMeasurement)) };
             var effort = new double[7];
             var pose = new EnamelPose();
             var twist = new double[6];

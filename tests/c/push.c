@@ -42,7 +42,7 @@ int main(void) {
     return 1;
   }
   for (i = 0; i < 300; ++i) {
-    EnamelMeasurement measurement;
+    EnamelMeasurement measurement = {sizeof measurement};
     EnamelPose pose;
     double effort[ENAMEL_MAX_JOINTS] = {0}, twist[6], wrench[6];
     if (enamel_virtual_measure(device, &measurement) != ENAMEL_OK) return 1;

@@ -3,7 +3,7 @@
 import os
 import struct
 import sys
-from ctypes import byref, c_double, c_void_p
+from ctypes import byref, c_double, c_void_p, sizeof
 
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "../../plugins/ctypes"))
 import enamel_c  # noqa: E402
@@ -20,7 +20,7 @@ def main():
         plate = session.add_mesh("plate", VERTICES, TRIANGLES)
         device = c_void_p()
         session.call("virtual_create", byref(device))
-        measurement, place = enamel_c.EnamelMeasurement(), enamel_c.EnamelPose()
+        measurement, place = enamel_c.EnamelMeasurement(size=sizeof(enamel_c.EnamelMeasurement)), enamel_c.EnamelPose()
         effort, twist = (c_double * 7)(), (c_double * 6)()
         for _ in range(300):
             assert library.enamel_virtual_measure(device, byref(measurement)) == enamel_c.ENAMEL_OK
@@ -41,6 +41,17 @@ def main():
             assert "it was removed" in str(error)
         else:
             raise SystemExit("a removed obstacle was moved")
+        for wrong in (lambda: session.add_mesh("flat", [(0.0, 0.0)] * 3, [(0, 1, 2)]),
+                      lambda: session.add("ball", enamel_c.ENAMEL_SPHERE, radius=1e-3),
+                      lambda: enamel_c.Session(library, rte=5.0)):
+            try:
+                wrong()
+            except enamel_c.EnamelError:
+                continue
+            raise SystemExit("a wrong argument was accepted")
+    forgotten = enamel_c.Session(library)  # is destroyed at the end of the program
+    hand = enamel_c.EnamelHand(lambda *_: None)
+    forgotten.start_virtual(hand)
 
 
 main()

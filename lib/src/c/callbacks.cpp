@@ -117,6 +117,7 @@ class OwnDevice final : public HapticDevice {
     plain.size = sizeof plain;
     plain.enabled = 1;
     const std::int32_t result = callbacks_.measure(callbacks_.user, &plain);
+    if (result == ENAMEL_OK && plain.failed != 0) return Status::inactive;  // the driver cannot continue
     if (result == ENAMEL_OK) measurement = measurementOf(plain, joints_);
     return statusOf(result);
   }

@@ -20,6 +20,10 @@ const Struct& known(const Struct& given, const char* name) {
 MeshModel meshOf(const EnamelObstacleDef& def) {
   if (def.file != nullptr) return MeshModel(loadMesh(def.file, def.unit));
   require(def.vertices != nullptr && def.triangles != nullptr, "a mesh needs vertices and triangles");
+  constexpr std::size_t kMost = 1U << 27U;
+  require(def.vertex_count <= kMost && def.triangle_count <= kMost,
+          "a mesh has " + std::to_string(def.vertex_count) + " vertices and " + std::to_string(def.triangle_count) +
+              " triangles, must be at most " + std::to_string(kMost));
   TriangleMesh mesh;
   for (std::size_t i = 0; i < def.vertex_count; ++i)
     mesh.vertices.emplace_back(Eigen::Map<const Vec3>(def.vertices + 3 * i));

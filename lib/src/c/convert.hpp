@@ -51,8 +51,8 @@ inline Measurement measurementOf(const EnamelMeasurement& in, int joints) noexce
   out.enabled = in.enabled != 0;
   out.buttons = in.buttons;
   if (in.has_gripper != 0) out.gripper = in.gripper;
-  out.age = in.age;
   out.failed = in.failed != 0;
+  out.age = out.failed ? std::max(in.age, std::int32_t{1}) : in.age;
   return out;
 }
 inline void toPlain(const Measurement& in, EnamelMeasurement& out) noexcept {

@@ -195,7 +195,11 @@ std::int32_t enamel_start_virtual(EnamelSession* session, EnamelHand hand, void*
 }
 
 std::int32_t enamel_stop(EnamelSession* session) {
-  return run(session, [](Session& s) { s.stop(); });
+  return run(session, [](Session& s) {
+    s.stop();
+    if (s.isRunning())
+      throw Error("enamel_stop() was called in before_tick or in a hand: the loop cannot wait for itself");
+  });
 }
 
 std::int32_t enamel_is_running(EnamelSession* session, std::int32_t* running) {
@@ -203,7 +207,9 @@ std::int32_t enamel_is_running(EnamelSession* session, std::int32_t* running) {
 }
 
 std::int32_t enamel_tick(EnamelSession* session, const EnamelMeasurement* measurement, double* effort) {
-  if (session == nullptr || measurement == nullptr || effort == nullptr) return ENAMEL_NULL;
+  if (session == nullptr || effort == nullptr) return ENAMEL_NULL;
+  std::fill_n(effort, session->joints, 0.0);
+  if (measurement == nullptr) return ENAMEL_NULL;
   if (!c::isKnown(*measurement)) return wrongSize(*session);
   Command command;
   const Status status = session->session->tick(c::measurementOf(*measurement, session->joints), command);
@@ -246,10 +252,11 @@ std::int32_t enamel_remove(EnamelSession* session, EnamelObstacle obstacle) {
 }
 
 std::int32_t enamel_find(EnamelSession* session, const char* name, EnamelObstacle* obstacle) {
-  return runWith(session, name != nullptr && obstacle != nullptr, [&](Session& s) {
+  const std::int32_t result = runWith(session, name != nullptr && obstacle != nullptr, [&](Session& s) {
     const ObstacleId id = s.find(name);
     *obstacle = {id.slot, id.generation};
   });
+  return result != ENAMEL_OK || obstacle->generation != 0 ? result : std::int32_t{ENAMEL_NOTHING};
 }
 
 std::int32_t enamel_move(EnamelSession* session, EnamelObstacle obstacle, const EnamelPose* pose, const double* twist) {
@@ -269,6 +276,7 @@ std::int32_t enamel_activate(EnamelSession* session, EnamelObstacle obstacle, st
 std::int32_t enamel_move_vertices(EnamelSession* session, EnamelObstacle obstacle, const std::int32_t* vertices,
                                   const double* positions, std::size_t count) {
   return runWith(session, vertices != nullptr && positions != nullptr, [&](Session& s) {
+    if (count > (1U << 27U)) throw Error("enamel_move_vertices: " + std::to_string(count) + " vertices are too many");
     std::vector<int> numbers(vertices, vertices + count);
     std::vector<Vec3> places;
     for (std::size_t i = 0; i < count; ++i) places.emplace_back(Eigen::Map<const Vec3>(positions + 3 * i));
@@ -348,6 +356,7 @@ std::int32_t enamel_stop_recording(EnamelSession* session, std::uint64_t* ticks,
 
 std::int32_t enamel_tick_measurement(EnamelTickAccess* access, EnamelMeasurement* measurement) {
   if (access == nullptr || measurement == nullptr) return ENAMEL_NULL;
+  if (!c::isKnown(*measurement)) return ENAMEL_SIZE;
   c::toPlain(access->access->measurement(), *measurement);
   return ENAMEL_OK;
 }
@@ -367,8 +376,7 @@ std::int32_t enamel_tick_spin(EnamelTickAccess* access, std::int32_t on) {
 }
 std::int32_t enamel_tick_effect(EnamelTickAccess* access, const double* wrench) {
   if (access == nullptr || wrench == nullptr) return ENAMEL_NULL;
-  access->access->setEffect(c::twistOf(wrench));
-  return ENAMEL_OK;
+  return c::resultOf(access->access->setEffect(c::twistOf(wrench)));
 }
 
 std::int32_t enamel_virtual_create(EnamelSession* session, EnamelVirtualDevice** device) {
@@ -383,6 +391,7 @@ std::int32_t enamel_virtual_create(EnamelSession* session, EnamelVirtualDevice**
 void enamel_virtual_destroy(EnamelVirtualDevice* device) { delete device; }
 std::int32_t enamel_virtual_measure(EnamelVirtualDevice* device, EnamelMeasurement* measurement) {
   if (device == nullptr || measurement == nullptr) return ENAMEL_NULL;
+  if (!c::isKnown(*measurement)) return ENAMEL_SIZE;
   Measurement sample;
   const Status status = device->device.measure(sample);
   if (status == Status::ok) c::toPlain(sample, *measurement);

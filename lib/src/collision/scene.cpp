@@ -59,14 +59,7 @@ void Scene::check(const Obstacle& obstacle, std::size_t number) const {
   if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) sized = *solid != nullptr;
   if (!sized)
     throw Error(name + ": the size of the shape must be positive and finite, its mesh or solid must not be null");
-  const Material& m = obstacle.material;
-  if (!(m.stiffness > 0.0) || !(m.friction >= 0.0 && m.friction <= 10.0) ||
-      !(m.slidingFriction >= 0.0 && m.slidingFriction <= m.friction) ||
-      !(m.viscosity >= 0.0 && std::isfinite(m.viscosity)))
-    throw Error(
-        name +
-        ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to friction, "
-        "and a finite viscosity of at least 0 N s/m");
+  checkMaterial(obstacle.material, name);
   const bool isMesh = std::holds_alternative<std::shared_ptr<const MeshModel>>(obstacle.shape);
   if (!(obstacle.thickness >= 0.0 && std::isfinite(obstacle.thickness)) || (obstacle.thickness > 0.0 && !isMesh))
     throw Error(name + ": the thickness must be at least 0 m and finite, and 0 m unless the shape is a mesh");
@@ -109,6 +102,16 @@ bool isSameObstacle(const Scene& before, const Scene& now, std::size_t number) n
   if (!a.active || !b.active || a.thickness != b.thickness || a.name != b.name || a.shape.index() != b.shape.index())
     return false;
   return isSame<0>(a.shape, b.shape);
+}
+
+void checkMaterial(const Material& m, const std::string& name) {
+  if (!(m.stiffness > 0.0) || !(m.friction >= 0.0 && m.friction <= 10.0) ||
+      !(m.slidingFriction >= 0.0 && m.slidingFriction <= m.friction) ||
+      !(m.viscosity >= 0.0 && m.viscosity <= kLargestViscosity))
+    throw Error(name +
+                ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to "
+                "friction, and a viscosity in 0 to " +
+                formatNumber(kLargestViscosity) + " N s/m");
 }
 
 Mat3 frameAlong(const Vec3& axis) noexcept {

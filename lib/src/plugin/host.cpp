@@ -262,8 +262,10 @@ std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, c
       if (finding.library->description().name == nameOrPath) return finding.library;
       known += std::string(known.empty() ? "" : ", ") + finding.library->description().name;
     }
-  throw PluginError("unknown plugin \"" + nameOrPath + "\": " + folder +
-                    (known.empty() ? " has no plugins" : " has " + known) + "; a path must end in .so");
+  const std::string found = folder.empty()  ? "no plugin folder is given"
+                            : known.empty() ? folder + " has no plugins"
+                                            : folder + " has " + known;
+  throw PluginError("unknown renderer or plugin \"" + nameOrPath + "\": " + found + "; a path must end in .so");
 }
 
 }  // namespace enamel

@@ -152,6 +152,7 @@ void HapticTick::reset() noexcept {
   renderer_->reset();
   scene_.reset();
   sampleTime_ = kNever;
+  frame_.age = 0;  // the time may start anew
 }
 
 void HapticTick::restart(const Pose& start) noexcept {

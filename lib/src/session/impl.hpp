@@ -66,6 +66,8 @@ struct Session::Impl final : TickSink {
   void post(Function function) {
     queue.post(std::move(function), isLive() && std::this_thread::get_id() != ownThread);
   }
+  std::unique_lock<std::mutex> lock() const;
+  bool isLoop() const noexcept { return loopThread.load(std::memory_order_relaxed) == std::this_thread::get_id(); }
   bool isLive() const noexcept { return live.load(std::memory_order_acquire); }
   void requireRoom();
   void join(const SessionDef& def);
@@ -117,7 +119,9 @@ struct Session::Impl final : TickSink {
   std::atomic<bool> live{false};    // a loop runs
   std::atomic<bool> strays{false};  // ticks depend on what a recording does not contain
   bool hasRun = false;
-  std::thread::id ownThread;  // of tick()
+  std::atomic<bool> isThreaded{false};        // between start() and stop()
+  std::atomic<std::thread::id> loopThread{};  // of start(); none in an own loop
+  std::thread::id ownThread;                  // of tick()
 
   // The loop.
   std::unique_ptr<session::World> world;

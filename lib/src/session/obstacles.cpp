@@ -46,7 +46,7 @@ std::string absoluteOf(const std::string& path) { return std::filesystem::absolu
 }  // namespace
 
 ObstacleId Session::add(const SessionObstacle& obstacle) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   session::Group& group = *impl_->group;
   Obstacles next = group.obstacles;
   Obstacle shaped = shapedOf(obstacle);
@@ -72,7 +72,7 @@ ObstacleId Session::add(const SessionObstacle& obstacle) {
 }
 
 void Session::replace(ObstacleId id, const SessionObstacle& by) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   const std::size_t slot = impl_->slotOf(id);
   Obstacles next = impl_->group->obstacles;
   const Obstacle& now = next.scene.obstacles()[slot];
@@ -90,7 +90,7 @@ void Session::replace(ObstacleId id, const SessionObstacle& by) {
 }
 
 void Session::setMaterial(ObstacleId id, const Material& material) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   const std::size_t slot = impl_->slotOf(id);
   Obstacles next = impl_->group->obstacles;
   Obstacle changed = next.scene.obstacles()[slot];
@@ -101,7 +101,7 @@ void Session::setMaterial(ObstacleId id, const Material& material) {
 }
 
 void Session::remove(ObstacleId id) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   const std::size_t slot = impl_->slotOf(id);
   Obstacles next = impl_->group->obstacles;
   next.scene.replace(id.slot, session::freeSlot(id.slot));
@@ -112,7 +112,7 @@ void Session::remove(ObstacleId id) {
 }
 
 ObstacleId Session::find(const std::string& name) const {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   const Obstacles& all = impl_->group->obstacles;
   for (std::size_t i = 0; i < all.generation.size(); ++i)
     if (all.generation[i] != 0 && all.scene.obstacles()[i].name == name)
@@ -121,7 +121,7 @@ ObstacleId Session::find(const std::string& name) const {
 }
 
 void Session::move(ObstacleId id, const Pose& pose, const Vec6& twist) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   const std::size_t slot = impl_->slotOf(id);
   for (Impl* member : impl_->group->members) member->requireRoom();
   const Status status = impl_->group->obstacles.scene.move(id.slot, pose, twist);
@@ -135,7 +135,7 @@ void Session::move(ObstacleId id, const Pose& pose, const Vec6& twist) {
 }
 
 void Session::activate(ObstacleId id, bool active) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   (void)impl_->slotOf(id);
   for (Impl* member : impl_->group->members) member->requireRoom();
   (void)impl_->group->obstacles.scene.activate(id.slot, active);
@@ -147,7 +147,7 @@ void Session::activate(ObstacleId id, bool active) {
 }
 
 void Session::moveVertices(ObstacleId id, std::vector<int> vertices, std::vector<Vec3> positions) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   const std::size_t slot = impl_->slotOf(id);
   const std::string name = "obstacle \"" + impl_->group->obstacles.scene.obstacles()[slot].name + "\": ";
   const std::shared_ptr<MeshModel>& mesh = impl_->group->obstacles.meshes[slot];
@@ -168,7 +168,7 @@ void Session::moveVertices(ObstacleId id, std::vector<int> vertices, std::vector
 }
 
 void Session::restore(ObstacleId id) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   const std::size_t slot = impl_->slotOf(id);
   if (!impl_->group->obstacles.solids[slot]) refuseShape(impl_->group->obstacles, id);
   Obstacles next = impl_->group->obstacles;
@@ -179,19 +179,19 @@ void Session::restore(ObstacleId id) {
 }
 
 bool Session::takeChange(ObstacleId id, BrickChange& change) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   SolidChanges* const changes = impl_->solids.changes[impl_->slotOf(id)].get();
   if (changes == nullptr) refuseShape(impl_->group->obstacles, id);
   return changes->take(change);
 }
 
 std::shared_ptr<const Solid> Session::solid(ObstacleId id) const {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   return impl_->group->obstacles.solids[impl_->slotOf(id)];
 }
 
 void Session::record(const std::string& path) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   const auto refuse = [](const char* what) {
     throw Error(std::string("session: ") + what + ", so a recording could not be replayed");
   };
@@ -219,7 +219,7 @@ void Session::record(const std::string& path) {
 }
 
 RecordingResult Session::stopRecording() {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   if (!impl_->recorder) return {};
   impl_->requireRoom();
   impl_->post([s = impl_.get()]() noexcept { s->recording = nullptr; });

@@ -11,6 +11,7 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/plugin/renderer_source.hpp"
+#include "enamel/sim/hand.hpp"
 #include "session/impl.hpp"
 
 namespace enamel {
@@ -29,6 +30,8 @@ constexpr double kMostCentring = 0.5;
 // The first obstacles of a session: those of its scene file.
 std::shared_ptr<Group> groupOf(const SceneFile& file) {
   auto group = std::make_shared<Group>();
+  // Ids of another session are very probably refused.
+  group->lastGeneration = static_cast<std::uint32_t>(std::hash<Group*>()(group.get()) >> 4U) * 2654435761U >> 1U;
   group->maxForce = file.maxForce;
   Obstacles& all = group->obstacles;
   all.scene = file.scene;
@@ -78,8 +81,14 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
     mapped = std::make_shared<MappedMechanism>(device, def.map.value_or(WorkspaceMap{}));
   join(def);
 
-  choice = choose(def.renderer, def.parameters);
   const Mechanism& seen = mapped ? *mapped : *device;
+  Kinematics atStart = seen.home();
+  const Status startStatus =
+      isRotation(start.rotation) ? seen.reach(start, Vec6::Zero(), false, atStart) : Status::outOfRange;
+  require(startStatus == Status::ok,
+          std::string("session: the start pose of the tool is ") + toString(startStatus) +
+              "; is it in metres, with a rotation matrix, and within the device's workspace?");
+  choice = choose(def.renderer, def.parameters);
   GuardOptions guard = guardFor(seen, period);
   if (def.guard) guard = mapped ? inScene(*def.guard, mapped->map()) : *def.guard;
   guard.period = period;
@@ -135,6 +144,7 @@ void Session::Impl::join(const SessionDef& definition) {
 Session::Impl::RendererChoice Session::Impl::choose(const std::string& name,
                                                     const std::map<std::string, std::string>& parameters) const {
   const RendererSource source = findRenderer(name, def.pluginFolder);
+  if (!source.plugin) requireKnown(source.name, parameters);
   const std::shared_ptr<const Mechanism> seen = mapped ? mapped : device;
   RendererChoice chosen;
   chosen.renderer = source.plugin
@@ -165,6 +175,12 @@ void Session::Impl::awaitLoop() const {
             "session: the loop does not make the changes that are waiting; call tick(), or stop()");
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+}
+
+// Lock out other callers. The loop must not wait: it has TickAccess.
+std::unique_lock<std::mutex> Session::Impl::lock() const {
+  require(!isLoop(), "session: a function of the session was called in beforeTick or in a hand; use TickAccess there");
+  return std::unique_lock<std::mutex>(group->mutex);
 }
 
 void Session::Impl::requireRoom() {
@@ -225,7 +241,7 @@ Session::Session(const SessionDef& def) : impl_(std::make_unique<Impl>(def)) {}
 Session::~Session() { stop(); }
 
 void Session::start(HapticDevice& haptic) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   require(!impl_->isLive(), "session: it is already running; call stop() first");
   HapticLoopOptions options;
   options.sink = impl_.get();
@@ -233,9 +249,11 @@ void Session::start(HapticDevice& haptic) {
   options.priority = impl_->def.priority;
   options.lockMemory = impl_->def.lockMemory;
   impl_->goLive();
+  impl_->isThreaded.store(true, std::memory_order_release);
   try {
     impl_->loop = std::make_unique<HapticLoop>(haptic, *impl_->haptics, options);
   } catch (...) {
+    impl_->isThreaded.store(false);
     impl_->live.store(false);
     throw;
   }
@@ -244,13 +262,16 @@ void Session::start(HapticDevice& haptic) {
 void Session::start(std::unique_ptr<HapticDevice> haptic) {
   require(haptic != nullptr, "session: the device is null");
   start(*haptic);
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   impl_->owned = std::move(haptic);
 }
 
 void Session::stop() noexcept {
-  const Lock lock(impl_->group->mutex);
+  if (impl_->isLoop()) return;  // the loop cannot wait for itself
+  const Lock lock = impl_->lock();
   impl_->loop.reset();
+  impl_->loopThread.store({});
+  impl_->isThreaded.store(false);
   impl_->live.store(false);
   impl_->ownThread = {};
   impl_->queue.run();
@@ -261,8 +282,12 @@ bool Session::isRunning() const noexcept { return impl_->isLive(); }
 
 Status Session::tick(const Measurement& measurement, Command& command) noexcept {
   Impl& s = *impl_;
+  if (s.isThreaded.load(std::memory_order_acquire)) {  // the loop of start() runs the ticks
+    command.effort = JointVector::Zero(s.device->joints());
+    return Status::inactive;
+  }
   if (!s.isLive()) {
-    const Lock lock(s.group->mutex);
+    const Lock lock = s.lock();
     s.ownThread = std::this_thread::get_id();
     s.goLive();
   }
@@ -279,18 +304,18 @@ Status Session::tick(const Measurement& measurement, Command& command) noexcept 
 }
 
 Snapshot Session::snapshot() const {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   impl_->snapshots.refresh();
   return impl_->snapshots.latest();
 }
 
 bool Session::nextEvent(SessionEvent& event) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   return impl_->events.pop(event);
 }
 
 void Session::setTool(const Tool& tool, const std::optional<Bur>& bur) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   impl_->requireRoom();
   const SessionTool next{tool, bur};
   const Obstacles& all = impl_->group->obstacles;
@@ -311,33 +336,34 @@ void Session::setRenderer(std::unique_ptr<Renderer> renderer) {
 }
 
 void Session::setEffect(const Vec6& wrench) {
-  require(wrench.allFinite(), "session: the effect is not finite");
-  const Lock lock(impl_->group->mutex);
+  require(isEffect(wrench),
+          "session: the effect must be finite and at most " + formatNumber(kLargestEffect) + " N and N m");
+  const Lock lock = impl_->lock();
   impl_->requireRoom();
   impl_->post([s = impl_.get(), wrench]() noexcept { s->setEffect(wrench); });
 }
 
 void Session::spin(bool on) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   impl_->requireRoom();
   impl_->post([s = impl_.get(), on]() noexcept { s->spin(on); });
 }
 
 void Session::clutch(bool on) {
   require(impl_->mapped != nullptr, "session: a clutch needs a workspace map in the definition");
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   impl_->requireRoom();
   impl_->post([s = impl_.get(), on]() noexcept { s->clutch = on; });
 }
 
 void Session::enable(bool on) {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   impl_->requireRoom();
   impl_->post([s = impl_.get(), on]() noexcept { s->enabled = on; });
 }
 
 void Session::reset() {
-  const Lock lock(impl_->group->mutex);
+  const Lock lock = impl_->lock();
   if (impl_->loop) return (void)impl_->loop->reset();  // if 16 resets are waiting, one more changes nothing
   impl_->requireRoom();
   impl_->post([s = impl_.get()]() noexcept {
@@ -358,11 +384,11 @@ std::unique_ptr<SimulatedDevice> makeVirtualDevice(const Session& session, Wrenc
   setup.start = session.start();
   setup.period = session.period();
   if (!hand)
-    hand = [](double, const Pose&, const Vec6& twist) {
-      constexpr double kDamping = 5.0, kTurnDamping = 0.02;  // N s/m, N m s/rad
-      Vec6 wrench;
-      wrench << -kDamping * twist.head<3>(), -kTurnDamping * twist.tail<3>();
-      wrench[2] -= 1.0;
+    hand = [start = setup.start](double, const Pose& pose, const Vec6& twist) {
+      constexpr double kPush = 1.0, kDamping = 5.0, kDeepest = 20e-3, kStop = 200.0;  // N, N s/m, m, N/m
+      Vec6 wrench = guidingWrench(pose, twist, start, Vec3::UnitZ());
+      const double beyond = start.position.z() - kDeepest - pose.position.z();
+      wrench[2] -= kPush + kDamping * twist[2] - kStop * std::max(0.0, beyond);
       return wrench;
     };
   return std::make_unique<SimulatedDevice>(session.mechanism(), setup, std::move(hand), true);

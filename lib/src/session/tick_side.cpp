@@ -70,6 +70,8 @@ void Session::Impl::applySharedCuts() noexcept {
 }
 
 void Session::Impl::before(Measurement& measurement) noexcept {
+  if (isThreaded.load(std::memory_order_relaxed))
+    loopThread.store(std::this_thread::get_id(), std::memory_order_relaxed);
   queue.run();
   applySharedCuts();
   const int button = def.clutchButton;
@@ -244,7 +246,8 @@ void Session::Impl::publish(const LoopTick& tick, const TickFrame& frame) noexce
     material.viscosity *= scale();
   }
   now.wrench.setZero();
-  if (k.gravity.size() > 0 && k.gravity.size() == frame.command.size()) {
+  const bool isKnown = tick.status == Status::ok || tick.status == Status::stopped;
+  if (isKnown && k.gravity.size() > 0 && k.gravity.size() == frame.command.size()) {
     now.wrench = wrenchOf(k, frame.command - k.gravity);
     now.wrench.head<3>() *= scale();
   }
@@ -275,7 +278,12 @@ Status TickAccess::activate(ObstacleId id, bool active) noexcept {
 
 void TickAccess::spin(bool on) noexcept { session_.spin(on); }
 
-void TickAccess::setEffect(const Vec6& wrench) noexcept { session_.setEffect(wrench); }
+Status TickAccess::setEffect(const Vec6& wrench) noexcept {
+  if (!wrench.allFinite()) return Status::notFinite;
+  if (!isEffect(wrench)) return Status::outOfRange;
+  session_.setEffect(wrench);
+  return Status::ok;
+}
 
 const char* toString(EventKind kind) noexcept {
   switch (kind) {

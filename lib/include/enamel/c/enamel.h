@@ -243,7 +243,7 @@ typedef struct EnamelSnapshot {
   double rotation[9];
   double twist[6];
   double wrench[6];                  /* of the rendered part, N and N m */
-  double normal_force;               /* N */
+  double normal_force;               /* of the deepest contact alone, N: use wrench for the whole force */
   double base[3];                    /* of the device in the scene, m: changes with the clutch */
   double q[ENAMEL_MAX_JOINTS];       /* as measured */
   double command[ENAMEL_MAX_JOINTS]; /* torque of the motors, N m or N */
@@ -256,7 +256,7 @@ typedef struct EnamelSnapshot {
   int32_t fault;  /* latched; 0: none */
   int32_t enabled, clutched, spins;
   uint32_t buttons;
-  int32_t contact_count;
+  int32_t contact_count; /* near contacts: those with a gap above 0 do not touch */
   int32_t reserved;
   EnamelContact contacts[ENAMEL_MAX_CONTACTS];
 } EnamelSnapshot;
@@ -290,7 +290,8 @@ typedef struct EnamelEvent {
 /* Version of the library: major * 65536 + minor * 256 + patch. Any thread. */
 ENAMEL_API uint32_t enamel_version(void);
 
-/* Fill in defaults, also `size`. Any thread. */
+/* Fill in defaults, also `size`. Any thread. An obstacle is a rigid half space without friction at the origin, active,
+ * with cells of 0.1 mm and files in mm. It needs a name that is unique. */
 ENAMEL_API int32_t enamel_session_defaults(EnamelSessionDef* def);
 ENAMEL_API int32_t enamel_obstacle_defaults(EnamelObstacleDef* def);
 
@@ -305,7 +306,10 @@ ENAMEL_API int32_t enamel_message(EnamelSession* session, EnamelMessage message)
 
 /* Run a loop in a thread of its own: with an own device, or with a simulated one that `hand` holds. `hand` gives the
  * wrench on the tool at the TCP (N, N m) in the device's frame, on the loop's thread. NULL: it pushes along -z with
- * 1 N. `device->user` and `user` must live until enamel_stop(). Owner. */
+ * 1 N, to 20 mm behind the start, and holds the tool across. `device->user` and `user` must live until enamel_stop().
+ * hand and before_tick must not call functions of the session, except enamel_tick_...(). A device whose measure does
+ * not return blocks start and stop. enamel_reset() does not bring a simulated device back that has left its workspace:
+ * stop and start. Owner. */
 typedef void (*EnamelHand)(void* user, double time, const EnamelPose* pose, const double* twist, double* wrench);
 ENAMEL_API int32_t enamel_start_device(EnamelSession* session, const EnamelDevice* device);
 ENAMEL_API int32_t enamel_start_virtual(EnamelSession* session, EnamelHand hand, void* user);
@@ -315,14 +319,14 @@ ENAMEL_API int32_t enamel_stop(EnamelSession* session);
 ENAMEL_API int32_t enamel_is_running(EnamelSession* session, int32_t* running); /* any */
 
 /* Run one tick in an own loop. `effort` receives the torques for the motors with every result. Returns the status of
- * the tick. Loop; safe in real time after the first call. */
+ * the tick; ENAMEL_INACTIVE while the loop of enamel_start_...() runs. Loop; safe in real time after the first call. */
 ENAMEL_API int32_t enamel_tick(EnamelSession* session, const EnamelMeasurement* measurement, double* effort);
 
 /* Newest state, and oldest event (ENAMEL_NOTHING: none). Initialise `size`. Any. */
 ENAMEL_API int32_t enamel_snapshot(EnamelSession* session, EnamelSnapshot* snapshot);
 ENAMEL_API int32_t enamel_next_event(EnamelSession* session, EnamelEvent* event);
 
-/* Obstacles. Any. */
+/* Obstacles. Any. enamel_find: ENAMEL_NOTHING if the name is unknown. */
 ENAMEL_API int32_t enamel_add(EnamelSession* session, const EnamelObstacleDef* def, EnamelObstacle* obstacle);
 ENAMEL_API int32_t enamel_replace(EnamelSession* session, EnamelObstacle obstacle, const EnamelObstacleDef* by);
 ENAMEL_API int32_t enamel_remove(EnamelSession* session, EnamelObstacle obstacle);

@@ -42,7 +42,7 @@ class Scene {
   /// - a twist that is not finite, or above kFastest or kFastestTurn;
   /// - a shape with a size that is not positive and finite, or with an empty pointer;
   /// - a material with a stiffness not above 0 N/m, friction outside 0 to 10, sliding friction outside 0 to the
-  ///   friction, or a viscosity that is negative or not finite;
+  ///   friction, or a viscosity outside 0 to kLargestViscosity;
   /// - a thickness that is negative or not finite, or above 0 for a shape other than a mesh.
   int add(Obstacle obstacle);
 

@@ -50,7 +50,7 @@ class Session {
   bool isRunning() const noexcept;
 
   /// Run one tick in an own loop instead of start(). Command and status are those of HapticTick. The first call may
-  /// wait for other callers. Realtime: yes.
+  /// wait for other callers. Status inactive, and a command of zero, while the loop of start() runs. Realtime: yes.
   [[nodiscard]] Status tick(const Measurement& measurement, Command& command) noexcept;
 
   /// Return the newest state. Never waits for the loop.
@@ -103,7 +103,8 @@ class Session {
   void setRenderer(const std::string& name, const std::map<std::string, std::string>& parameters = {});
   void setRenderer(std::unique_ptr<Renderer> renderer);
 
-  /// Set the effect of HapticTick::setEffect(), N and N m at the hand, in the axes of the scene.
+  /// Set the effect of HapticTick::setEffect(), N and N m at the hand, in the axes of the scene, at most
+  /// kLargestEffect.
   void setEffect(const Vec6& wrench);
 
   void spin(bool on);    ///< start or stop the bur
@@ -152,7 +153,7 @@ class TickAccess {
   [[nodiscard]] Status move(ObstacleId id, const Pose& pose, const Vec6& twist = Vec6::Zero()) noexcept;
   [[nodiscard]] Status activate(ObstacleId id, bool active) noexcept;
   void spin(bool on) noexcept;
-  void setEffect(const Vec6& wrench) noexcept;
+  [[nodiscard]] Status setEffect(const Vec6& wrench) noexcept;  ///< notFinite, outOfRange: above kLargestEffect
 
  private:
   friend class Session;
@@ -162,8 +163,9 @@ class TickAccess {
 };
 
 /// Make a virtual device for a session: an ideal one in real time, at the session's start, held by a hand (N, N m; in
-/// the device's frame). Default: a hand that pushes along -z with 1 N against 5 N s/m. The device refers to the
-/// session. Throws Error as SimulatedDevice.
+/// the device's frame). Default: a hand that pushes along -z with 1 N, against 5 N s/m, to 20 mm behind the start. It
+/// holds the tool across by springs (guidingWrench()). The device refers to the session. Throws Error as
+/// SimulatedDevice.
 std::unique_ptr<SimulatedDevice> makeVirtualDevice(const Session& session, WrenchFunction hand = {});
 
 }  // namespace enamel

@@ -66,7 +66,9 @@ struct SessionDef {
 
 /// State of a session after one tick. Plain data, in the frame of the scene. Forces are those at the hand.
 struct Snapshot {
-  LoopTick tick;               ///< pose and twist of the tool, measurement, command, mode, reasons, statuses
+  /// Pose and twist of the tool, measurement, command, mode, reasons, statuses. normalForce is that of the deepest
+  /// contact alone: use `wrench` for the force.
+  LoopTick tick;
   ContactSnapshot contacts;    ///< near contacts, the deepest first
   Vec6 wrench = Vec6::Zero();  ///< of the rendered part on the tool at the TCP, N and N m
   Vec3 base = Vec3::Zero();    ///< WorkspaceMap::base.position: changes with the clutch
@@ -80,6 +82,14 @@ struct Snapshot {
   std::uint64_t droppedEvents = 0;  ///< events without room in the queue
   std::uint64_t lostCuts = 0;       ///< cuts that another session did not take in time: its solids have more material
 };
+
+/// Largest component of an effect, N and N m.
+inline constexpr double kLargestEffect = 1000.0;
+
+/// Return whether a wrench can be an effect. Realtime: yes.
+inline bool isEffect(const Vec6& wrench) noexcept {
+  return wrench.allFinite() && wrench.cwiseAbs().maxCoeff() <= kLargestEffect;
+}
 
 /// Kind of an event in a tick.
 enum class EventKind : std::uint8_t {
