@@ -153,7 +153,7 @@ class TickAccess {
   [[nodiscard]] Status move(ObstacleId id, const Pose& pose, const Vec6& twist = Vec6::Zero()) noexcept;
   [[nodiscard]] Status activate(ObstacleId id, bool active) noexcept;
   void spin(bool on) noexcept;
-  [[nodiscard]] Status setEffect(const Vec6& wrench) noexcept;  ///< notFinite, outOfRange: above kLargestEffect
+  Status setEffect(const Vec6& wrench) noexcept;  ///< notFinite, outOfRange: above kLargestEffect
 
  private:
   friend class Session;
