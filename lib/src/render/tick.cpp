@@ -152,7 +152,7 @@ void HapticTick::reset() noexcept {
   renderer_->reset();
   scene_.reset();
   sampleTime_ = kNever;
-  frame_.age = 0;  // the time may start anew
+  frame_.age = 0;  // the time may begin again at 0
 }
 
 void HapticTick::restart(const Pose& start) noexcept {
