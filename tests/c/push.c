@@ -42,9 +42,10 @@ int main(void) {
     return 1;
   }
   for (i = 0; i < 300; ++i) {
-    EnamelMeasurement measurement = {sizeof measurement};
+    EnamelMeasurement measurement;
     EnamelPose pose;
     double effort[ENAMEL_MAX_JOINTS] = {0}, twist[6], wrench[6];
+    measurement.size = sizeof measurement;
     if (enamel_virtual_measure(device, &measurement) != ENAMEL_OK) return 1;
     if (enamel_tick(session, &measurement, effort) != ENAMEL_OK) return 1;
     enamel_virtual_state(device, &pose, twist);
