@@ -265,7 +265,7 @@ std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, c
   const std::string found = folder.empty()  ? "no plugin folder is given"
                             : known.empty() ? folder + " has no plugins"
                                             : folder + " has " + known;
-  throw PluginError("unknown renderer or plugin \"" + nameOrPath + "\": " + found + "; a path must end in .so");
+  throw PluginError("unknown plugin \"" + nameOrPath + "\": " + found + "; a path must end in .so");
 }
 
 }  // namespace enamel

@@ -179,7 +179,8 @@ void Session::Impl::awaitLoop() const {
 
 // Lock out other callers. The loop must not wait: it has TickAccess.
 std::unique_lock<std::mutex> Session::Impl::lock() const {
-  require(!isLoop(), "session: a function of the session was called in beforeTick or in a hand; use TickAccess there");
+  if (isLoop())
+    throw Error("session: a function of the session was called in beforeTick or in a hand; use TickAccess there");
   return std::unique_lock<std::mutex>(group->mutex);
 }
 
