@@ -1,4 +1,5 @@
-// A session's recording replays bit for bit. A recording that would not replay is refused. Solids that two sessions share.
+// A session's recording replays bit for bit. A recording that would not replay is refused. Solids that two sessions
+// share.
 #include <filesystem>
 
 #include "enamel/core/error.hpp"
@@ -6,8 +7,8 @@
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/runtime/replay.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
 #include "support/session_bench.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test_session_recording {
 
