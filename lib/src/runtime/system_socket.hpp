@@ -22,6 +22,9 @@ struct Endpoint {
 // Throws Error: the host is unknown.
 Endpoint findHost(const std::string& host, std::uint16_t port);
 
+// Return why the last call of a socket in this thread failed.
+std::string lastSocketProblem();
+
 class UdpSocket {
  public:
   // Throws Error. Without `own`: any free port.

@@ -41,6 +41,8 @@ Endpoint findHost(const std::string& host, std::uint16_t port) {
   return {fromSystem(address).address, port};
 }
 
+std::string lastSocketProblem() { return std::strerror(errno); }
+
 UdpSocket::UdpSocket(const std::optional<Endpoint>& own)
     : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
   require(socket_ >= 0, std::string("device: cannot open a socket: ") + std::strerror(errno));

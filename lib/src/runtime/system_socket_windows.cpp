@@ -63,6 +63,8 @@ Endpoint findHost(const std::string& host, std::uint16_t port) {
   return {fromSystem(address).address, port};
 }
 
+std::string lastSocketProblem() { return textOf(WSAGetLastError()); }
+
 UdpSocket::UdpSocket(const std::optional<Endpoint>& own) {
   startSockets();
   const SOCKET opened = openSocket();

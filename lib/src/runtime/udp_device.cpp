@@ -48,7 +48,7 @@ UdpDevice::UdpDevice(const std::string& host, std::uint16_t port, const LinkOpti
     : client_(options, nonce()) {
   const Endpoint server = find(host, port, options);
   socket_ = std::make_unique<UdpSocket>();
-  require(socket_->connect(server), "device: cannot reach " + host + ": this machine has no route to it");
+  if (!socket_->connect(server)) throw Error("device: cannot reach " + host + ": " + system::lastSocketProblem());
 }
 
 UdpDevice::~UdpDevice() = default;

@@ -41,7 +41,9 @@ bool isFlatWall(const Scene& scene, const session::SessionTool& tool) {
          isPoint && !tool.bur;
 }
 
-std::string absoluteOf(const std::string& path) { return std::filesystem::absolute(std::filesystem::u8path(path)).u8string(); }
+std::string absoluteOf(const std::string& path) {
+  return std::filesystem::absolute(std::filesystem::u8path(path)).u8string();
+}
 
 }  // namespace
 

@@ -35,7 +35,7 @@ void onThreads(int threads, std::size_t most, const Work& work, const Stop& stop
   const std::size_t wanted = std::min(static_cast<std::size_t>(threads), most);
   try {
     while (others.size() + 1 < wanted) others.emplace_back(guarded);
-  } catch (const std::system_error&) {  // fewer threads give the same result
+  } catch (const std::exception&) {  // no memory or too many threads: fewer give the same result
   }
   guarded();
   for (std::thread& other : others) other.join();
@@ -68,7 +68,7 @@ void parallelFor(std::size_t count, int threads, const std::function<void(std::s
 std::size_t parallelInOrder(std::size_t first, std::size_t count, int threads,
                             const std::function<void(std::size_t)>& work, const std::function<void(std::size_t)>& done,
                             const std::function<bool()>& stop) {
-  const std::size_t ahead = 4 * static_cast<std::size_t>(std::max(1, threads));
+  const std::size_t ahead = 4 * static_cast<std::size_t>(std::clamp(threads, 1, kMaxThreads));
   Line line{{}, {}, first, first, std::vector<char>(ahead, 0)};
   const auto serve = [&] {
     std::unique_lock<std::mutex> lock(line.mutex);
