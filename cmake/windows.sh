@@ -63,7 +63,7 @@ fi
 echo "== windows: build"
 cmake --preset windows -DENAMEL_BUILD_TESTS=ON >/dev/null
 cmake --build --preset windows --target enamel enamel_c enamel_impedance enamel_position_control enamel_template \
-  tests_unit tests_hard test_bits bad_nan bad_crash failing_plugins
+  tests_unit tests_hard test_bits c_push bad_nan bad_crash failing_plugins
 echo "== windows: tests under Wine"
 unset ENAMEL_LONG  # the full counts run on Linux
 WINEPREFIX=$PWD/build/windows-wine WINEDEBUG=-all

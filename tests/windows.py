@@ -5,7 +5,9 @@ within the bounds below. Then the tool runs as a person would use it, in a folde
 """
 import os
 import re
+import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -52,6 +54,19 @@ def compare_bits():
         most = max(abs(float.fromhex(x) - float.fromhex(y)) for a, b in pairs for x, y in zip(a, b))
         check(f"test_bits, {renderer}", most <= bound and (bound > 0 or differ == 0),
               f"{differ} of {TICKS} ticks differ, by {most:.1e} at most")
+
+
+def compare_c_programs(folder):
+    """The same C program with libenamel.so and with libenamel.dll, which Windows looks for beside the program."""
+    for file in ("tests/c_push.exe", "lib/libenamel.dll"):
+        shutil.copy(WINDOWS / file, folder)
+    rows = [subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout.split()
+            for command in ([LINUX / "tests/c_push"], [WINE, folder / "c_push.exe"])]
+    torques = [[struct.unpack(">d", bytes.fromhex(word.decode()))[0] for word in words] for words in rows]
+    check("C program: the number of torques", len(rows[0]) == len(rows[1]) == 300 * 6)
+    most = max(abs(a - b) for a, b in zip(*torques))
+    differ = sum(a != b for a, b in zip(*rows))
+    check("C program: the same torques with libenamel.dll", most <= PUSH_BOUND, f"{differ} differ, by {most:.1e} N m at most")
 
 
 def compare_pushes(folder):
@@ -139,6 +154,7 @@ def main():
     compare_bits()
     with tempfile.TemporaryDirectory(prefix="enamel-zähne-歯-") as name:
         folder = Path(name)
+        compare_c_programs(folder)
         compare_pushes(folder)
         compare_replays(folder)
         check_study(folder)

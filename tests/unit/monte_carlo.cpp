@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "enamel/core/error.hpp"
@@ -279,6 +280,9 @@ TEST_CASE("the order of results does not depend on threads, and stopping leaves 
                     "fifty");
   CHECK_THROWS_WITH(parallelFor(1, 0, [](std::size_t) {}), "threads is 0, must be in 1 to 256");
   CHECK_THROWS_WITH(parallelFor(1, 257, [](std::size_t) {}), "threads is 257, must be in 1 to 256");
+  const auto none = [](std::size_t) {};
+  CHECK_THROWS_WITH(parallelInOrder(0, 1, std::numeric_limits<int>::max(), none, none, [] { return false; }),
+                    "threads is 2147483647, must be in 1 to 256");
 }
 
 TEST_CASE("runs have the same bits in any thread and order", "[monte_carlo]") {
