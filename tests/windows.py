@@ -22,7 +22,7 @@ TICKS = 3000  # of each renderer in test_bits
 # Largest difference of position, rotation, speed or torque in the 3 s of a push. The noise of the push uses log and
 # cos. Position control uses exp, log and hypot each tick, and the loop amplifies their last bits.
 BOUNDS = {"hold": 1e-12, "position-control": 1e-6, "impedance": 0.0}
-PUSH_BOUND = 1e-9  # SI units: the plant's joint angles use atan2
+PUSH_BOUND = 1e-9  # SI units: the joint angles of the plant use atan2, and position control uses exp, log and hypot
 REPLAY_BOUND = 1e-6  # N m: the same measurements, so that nothing is amplified by the plant
 
 os.environ["LC_ALL"] = "C.UTF-8"  # Wine reads file names in it
