@@ -8,7 +8,7 @@
 namespace enamel::test_collision {
 
 TEST_CASE("speed against error of the collision module", "[timing]") {
-  const auto rows = bench::measureCollision(0.1);
+  const auto rows = bench::measureCollision(0.02);
   REQUIRE_FALSE(rows.empty());
   for (const auto& row : rows) {
     std::printf("%-60s %9.4f us  p99 %9.4f us  error %.1e (%s)\n", row.name.c_str(), row.median_us, row.p99_us,
