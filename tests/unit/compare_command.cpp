@@ -170,7 +170,7 @@ TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[co
   const test::TemporaryFolder folder;
   const std::string small = "compare --device '" + test::deviceFile("tau-detailed.toml") + "' --tuned '" +
                             tunedValues(folder) +
-                            "' --delays none,constant:2 --grid 1 --runs 2 --scenario 1 "
+                            "' --delays none,constant:2 --grid 1 --runs 2 --scenario 1 --tasks push,release "
                             "--renderers position-control,tuned:impedance,tuned:hold-delay,impedance-edge,impedance ";
   const auto compare = [&](const std::string& name, const std::string& more) {
     return run(small + "--output '" + (folder / name) + "' " + more);
