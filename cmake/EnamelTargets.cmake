@@ -15,11 +15,6 @@ if(ENAMEL_SANITIZE)
   target_compile_options(enamel_compile_options INTERFACE -fno-omit-frame-pointer
     "$<$<NOT:$<BOOL:$<TARGET_PROPERTY:ENAMEL_PLAIN>>>:-fsanitize=${sanitizers};-fno-sanitize-recover=all;-fno-sanitize=${unchecked}>")
   target_link_options(enamel_compile_options INTERFACE -fsanitize=${ENAMEL_SANITIZE})
-  # The few tests of check.sh run for less time than optimised code would take to compile. Its loops over meshes and
-  # voxels have their own options.
-  if(ENAMEL_TESTS STREQUAL "sanitized")
-    target_compile_options(enamel_compile_options INTERFACE -O0)
-  endif()
 endif()
 
 option(ENAMEL_PRECOMPILED_HEADERS "Parse Eigen once for each kind of target instead of once a file" OFF)
