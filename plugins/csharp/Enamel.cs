@@ -617,15 +617,9 @@ namespace Enamel
             tool.parts = new EnamelToolPart[8];
             for (int i = 0; i < tool.parts.Length; ++i)
                 tool.parts[i] = i < parts.Length ? parts[i] : new EnamelToolPart { a = new double[3], b = new double[3] };
-            var memory = Marshal.AllocHGlobal(Marshal.SizeOf(typeof(EnamelTool)));
-            var cutting = bur == null ? IntPtr.Zero : Marshal.AllocHGlobal(Marshal.SizeOf(typeof(EnamelBur)));
-            Marshal.StructureToPtr(tool, memory, false);
-            if (bur != null)
-            {
-                var given = bur.Value;
-                given.size = (uint)Marshal.SizeOf(typeof(EnamelBur));
-                Marshal.StructureToPtr(given, cutting, false);
-            }
+            var cutter = bur.GetValueOrDefault();
+            cutter.size = (uint)Marshal.SizeOf(typeof(EnamelBur));
+            IntPtr memory = Copy<EnamelTool>(tool), cutting = bur == null ? IntPtr.Zero : Copy<EnamelBur>(cutter);
             try { Check(Native.enamel_set_tool(handle, memory, cutting)); }
             finally
             {
@@ -675,11 +669,11 @@ namespace Enamel
         /// Name of a reason of the guard in plain words.
         public static string TextOfReason(int reason) { return FromUtf8(Native.enamel_reason_text(reason)); }
 
-        static IntPtr Copy(EnamelPose? pose)
+        static IntPtr Copy<T>(T? given) where T : struct
         {
-            if (pose == null) return IntPtr.Zero;
-            var copy = Marshal.AllocHGlobal(Marshal.SizeOf(typeof(EnamelPose)));
-            Marshal.StructureToPtr(pose.Value, copy, false);
+            if (given == null) return IntPtr.Zero;
+            var copy = Marshal.AllocHGlobal(Marshal.SizeOf(typeof(T)));
+            Marshal.StructureToPtr(given.Value, copy, false);
             return copy;
         }
 

@@ -135,41 +135,17 @@ TEST_CASE("ticks of a session allocate nothing while another thread changes ever
 }
 
 TEST_CASE("ticks of two sessions that cut one solid allocate nothing", "[realtime]") {
-  SessionDef def = test::definition();
-  def.start->position.z() = 5e-3;
-  Tool bur;
-  bur.parts[0].radius = 1e-3;
-  def.tool = bur;
-  def.bur = Bur{0, 0.5, 2000.0};
-  const auto first = std::make_shared<Session>(def);
-  SessionObstacle tooth;
-  tooth.name = "tooth";
-  tooth.solid = test::cube();
-  (void)first->add(tooth);
-  def.sharesWith = first;
-  def.start->position.x() = 2e-3;
-  Session second(def);
-  VirtualDevice a(first->mechanism(), test::Bench::setupOf(*first)),
-      b(second.mechanism(), test::Bench::setupOf(second));
-  first->spin(true);
-  second.spin(true);
-  long allocated = 0;
-  for (int i = 0; i < 400; ++i)
-    for (const auto& [session, device] : {std::pair<Session*, VirtualDevice*>{first.get(), &a}, {&second, &b}}) {
-      Measurement measurement;
-      Command command;
-      REQUIRE(device->measure(measurement) == Status::ok);
-      const long before = test::allocationCount();
-      (void)session->tick(measurement, command);
-      allocated += test::allocationCount() - before;
-      REQUIRE(device->actuate(command) == Status::ok);
-      REQUIRE(device->advance([&, at = session->start()](double, const Pose& pose, const Vec6& twist) {
-        return test::pushing(2.0, at, pose, twist);
-      }) == Status::ok);
-    }
-  CHECK(allocated == 0);
-  CHECK(first->snapshot().removed[0] > 0.0);
-  CHECK(second.snapshot().removed[0] > 0.0);
+  test::TwoBurs burs({2e-3, 0.0, 5e-3});
+  burs.first->spin(true);
+  burs.second->spin(true);
+  const long before = test::allocationCount();
+  for (int i = 0; i < 400; ++i) {
+    test::tickOnce(*burs.first, *burs.a, 2.0);
+    test::tickOnce(*burs.second, *burs.b, 2.0);
+  }
+  CHECK(test::allocationCount() == before);
+  CHECK(burs.first->snapshot().removed[0] > 0.0);
+  CHECK(burs.second->snapshot().removed[0] > 0.0);
 }
 
 TEST_CASE("a recorded tick of a session allocates nothing", "[realtime]") {

@@ -100,4 +100,47 @@ inline std::shared_ptr<const Solid> cube() {
                                        SolidOptions{2e-4, 64});
 }
 
+/// Run one tick of a session on its virtual device, under a hand that pushes along -z with `force`, N.
+inline void tickOnce(Session& session, VirtualDevice& device, double force) {
+  Measurement measurement;
+  Command command;
+  REQUIRE(device.measure(measurement) == Status::ok);
+  (void)session.tick(measurement, command);
+  REQUIRE(device.actuate(command) == Status::ok);
+  REQUIRE(device.advance([&, start = session.start()](double, const Pose& pose, const Vec6& twist) {
+    return pushing(force, start, pose, twist);
+  }) == Status::ok);
+}
+
+// Two sessions with burs 5 mm above one cube.
+struct TwoBurs {
+  explicit TwoBurs(const Vec3& startOfSecond) {
+    SessionDef def = definition();
+    def.start->position.z() = 5e-3;
+    def.tool.emplace().parts[0].radius = 1e-3;
+    def.bur = Bur{0, 0.5, 2000.0};
+    first = std::make_shared<Session>(def);
+    tooth.name = "tooth";
+    tooth.solid = cube();
+    id = first->add(tooth);
+    def.sharesWith = first;
+    def.start->position = startOfSecond;
+    definitionOfSecond = def;
+    second = std::make_unique<Session>(def);
+    a = std::make_unique<VirtualDevice>(first->mechanism(), Bench::setupOf(*first));
+    b = std::make_unique<VirtualDevice>(second->mechanism(), Bench::setupOf(*second));
+  }
+
+  SessionObstacle tooth;
+  ObstacleId id;
+  SessionDef definitionOfSecond;
+  std::shared_ptr<Session> first;
+  std::unique_ptr<Session> second;
+  std::unique_ptr<VirtualDevice> a, b;
+};
+
+inline std::shared_ptr<const Solid> cutSolidOf(const Session& session) {
+  return std::get<std::shared_ptr<const Solid>>(session.haptics().scene().scene().obstacles()[0].shape);
+}
+
 }  // namespace enamel::test

@@ -422,6 +422,9 @@ TEST_CASE("guard: limits that are none are refused", "[guard]") {
   CHECK_THROWS_AS(made([](GuardOptions& o) { o.workspace[1] = -1.0; }), Error);
   CHECK_THROWS_AS(made([](GuardOptions& o) { o.period = 0.0; }), Error);
   CHECK_THROWS_AS(guardFor(device, 1.0), Error);
+  const auto shared = std::make_shared<TauMechanism>(test::nominal());
+  CHECK_THROWS_WITH(guardFor(MappedMechanism(shared, {Pose{}, 2.0}), 1e-3),
+                    test::ContainsSubstring("toScene(guardFor("));
 }
 
 }  // namespace enamel::test_guard

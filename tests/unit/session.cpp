@@ -308,42 +308,18 @@ TEST_CASE("centring leads the hand back to the middle, and only while it moves",
 }
 
 TEST_CASE("two sessions share a solid: each cuts its own copy, and both copies become the same", "[session]") {
-  SessionDef def = definition();
-  def.start->position.z() = 5e-3;
-  Tool bur;
-  bur.parts[0].radius = 1e-3;
-  def.tool = bur;
-  def.bur = Bur{0, 0.5, 2000.0};
-  const auto first = std::make_shared<Session>(def);
-  SessionObstacle tooth;
-  tooth.name = "tooth";
-  tooth.solid = cube();
-  const ObstacleId id = first->add(tooth);
-  SessionDef second = def;
-  second.sharesWith = first;
-  second.start->position.x() = 1e-3;
-  Session other(second);
+  test::TwoBurs burs({1e-3, 0.0, 5e-3});
+  const std::shared_ptr<Session>& first = burs.first;
+  Session& other = *burs.second;
+  const ObstacleId id = burs.id;
   CHECK(other.find("tooth") == id);
-
-  VirtualDevice a(first->mechanism(), Bench::setupOf(*first)), b(other.mechanism(), Bench::setupOf(other));
   first->spin(true);
   other.spin(true);
   for (int i = 0; i < 600; ++i) {
-    for (const auto& [session, device] : {std::pair<Session*, VirtualDevice*>{first.get(), &a}, {&other, &b}}) {
-      Measurement measurement;
-      Command command;
-      REQUIRE(device->measure(measurement) == Status::ok);
-      (void)session->tick(measurement, command);
-      REQUIRE(device->actuate(command) == Status::ok);
-      REQUIRE(device->advance([&, start = session->start()](double, const Pose& pose, const Vec6& twist) {
-        return pushing(i < 500 ? 2.0 : -2.0, start, pose, twist);
-      }) == Status::ok);
-    }
+    test::tickOnce(*first, *burs.a, i < 500 ? 2.0 : -2.0);
+    test::tickOnce(other, *burs.b, i < 500 ? 2.0 : -2.0);
   }
-  const auto solidOf = [](const Session& session) {
-    return std::get<std::shared_ptr<const Solid>>(session.haptics().scene().scene().obstacles()[0].shape);
-  };
-  const std::shared_ptr<const Solid> mine = solidOf(*first), theirs = solidOf(other);
+  const std::shared_ptr<const Solid> mine = test::cutSolidOf(*first), theirs = test::cutSolidOf(other);
   REQUIRE(mine != theirs);
   const double uncut = cube()->volume()[0];
   CHECK(mine->volume()[0] < 0.999 * uncut);
@@ -358,8 +334,17 @@ TEST_CASE("two sessions share a solid: each cuts its own copy, and both copies b
   CHECK(first->takeChange(id, change));
   CHECK_THROWS_WITH(first->moveVertices(id, {0}, {Vec3::Zero()}), ContainsSubstring("can be edited"));
 
-  SessionDef late = second;
-  CHECK_THROWS_WITH(Session(late), ContainsSubstring("have not run yet"));
+  CHECK_THROWS_WITH(Session(burs.definitionOfSecond), ContainsSubstring("have not run yet"));
+}
+
+TEST_CASE("a bur that comes after spin() spins", "[session]") {
+  test::TwoBurs burs({0.0, 0.0, 20e-3});
+  Session& session = *burs.first;
+  session.setTool(Tool{});
+  session.spin(true);
+  session.setTool(*burs.definitionOfSecond.tool, burs.definitionOfSecond.bur);
+  for (int i = 0; i < 400; ++i) test::tickOnce(session, *burs.a, 2.0);
+  CHECK(session.snapshot().removed[0] > 0.0);
 }
 
 TEST_CASE("vertices move on the loop's thread", "[session]") {

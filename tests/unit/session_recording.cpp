@@ -1,4 +1,5 @@
-// A session's recording replays bit for bit. A recording that would not replay is refused. Solids that two sessions share.
+// A session's recording replays bit for bit. A recording that would not replay is refused. Solids that two sessions
+// share.
 #include <filesystem>
 
 #include "enamel/core/error.hpp"
@@ -15,9 +16,10 @@ using test::ball;
 using test::Bench;
 using test::ContainsSubstring;
 using test::cube;
+using test::cutSolidOf;
 using test::definition;
 using test::eventsOf;
-using test::pushing;
+using test::tickOnce;
 using test::wallAt;
 
 namespace {
@@ -131,67 +133,39 @@ TEST_CASE("a hook that moves an obstacle, and a scene without a file, are not re
 }
 
 TEST_CASE("a cut that another session has not yet taken is not made in a restored solid", "[session_recording]") {
-  SessionDef def = definition();
-  def.start->position.z() = 5e-3;
-  Tool bur;
-  bur.parts[0].radius = 1e-3;
-  def.tool = bur;
-  def.bur = Bur{0, 0.5, 2000.0};
-  const auto cutting = std::make_shared<Session>(def);
-  SessionObstacle tooth;
-  tooth.name = "tooth";
-  tooth.solid = cube();
-  const ObstacleId id = cutting->add(tooth);
-  SessionDef second = def;
-  second.sharesWith = cutting;
-  second.start->position.z() = 20e-3;
-  Session watching(second);
-  VirtualDevice device(cutting->mechanism(), Bench::setupOf(*cutting)),
-      other(watching.mechanism(), Bench::setupOf(watching));
-  const auto tick = [](Session& session, VirtualDevice& at, double force) {
-    Measurement measurement;
-    Command command;
-    REQUIRE(at.measure(measurement) == Status::ok);
-    (void)session.tick(measurement, command);
-    REQUIRE(at.actuate(command) == Status::ok);
-    REQUIRE(at.advance([&, start = session.start()](double, const Pose& pose, const Vec6& twist) {
-      return pushing(force, start, pose, twist);
-    }) == Status::ok);
-  };
-  const auto solidOf = [](const Session& session) {
-    return std::get<std::shared_ptr<const Solid>>(session.haptics().scene().scene().obstacles()[0].shape);
-  };
+  test::TwoBurs burs({0.0, 0.0, 20e-3});
+  Session &cutting = *burs.first, &watching = *burs.second;
   const auto areEqual = [](const Solid& a, const Solid& b) {
     for (int brick = 0; brick < a.bricks(); ++brick)
       if (a.samples(brick) != b.samples(brick)) return false;
     return true;
   };
-  cutting->spin(true);
+  cutting.spin(true);
   for (int i = 0; i < 400; ++i) {
-    tick(*cutting, device, 2.0);
-    if (i < 399) tick(watching, other, 0.0);
+    tickOnce(cutting, *burs.a, 2.0);
+    if (i < 399) tickOnce(watching, *burs.b, 0.0);
   }
-  REQUIRE(cutting->snapshot().removed[0] > 0.0);
-  cutting->spin(false);
+  REQUIRE(cutting.snapshot().removed[0] > 0.0);
+  cutting.spin(false);
   SECTION("restored") {
-    cutting->restore(id);
-    for (int i = 0; i < 5; ++i) tick(watching, other, 0.0);
-    CHECK(areEqual(*solidOf(*cutting), *tooth.solid));
+    cutting.restore(burs.id);
+    for (int i = 0; i < 5; ++i) tickOnce(watching, *burs.b, 0.0);
+    CHECK(areEqual(*cutSolidOf(cutting), *burs.tooth.solid));
     BrickChange change;
-    CHECK_FALSE(cutting->takeChange(id, change));  // the drawing begins with the whole solid again
-    CHECK(areEqual(*solidOf(watching), *tooth.solid));
+    CHECK_FALSE(cutting.takeChange(burs.id, change));  // the drawing begins with the whole solid again
+    CHECK(areEqual(*cutSolidOf(watching), *burs.tooth.solid));
   }
   SECTION("replaced") {
-    SessionObstacle fresh = tooth;
+    SessionObstacle fresh = burs.tooth;
     fresh.solid = cube();
-    cutting->replace(id, fresh);
-    for (int i = 0; i < 5; ++i) tick(watching, other, 0.0);
-    CHECK(areEqual(*solidOf(watching), *fresh.solid));
+    cutting.replace(burs.id, fresh);
+    for (int i = 0; i < 5; ++i) tickOnce(watching, *burs.b, 0.0);
+    CHECK(areEqual(*cutSolidOf(watching), *fresh.solid));
   }
   SECTION("neither: it is made") {
-    CHECK_FALSE(areEqual(*solidOf(watching), *solidOf(*cutting)));
-    for (int i = 0; i < 5; ++i) tick(watching, other, 0.0);
-    CHECK(areEqual(*solidOf(watching), *solidOf(*cutting)));
+    CHECK_FALSE(areEqual(*cutSolidOf(watching), *cutSolidOf(cutting)));
+    for (int i = 0; i < 5; ++i) tickOnce(watching, *burs.b, 0.0);
+    CHECK(areEqual(*cutSolidOf(watching), *cutSolidOf(cutting)));
   }
 }
 
@@ -214,7 +188,7 @@ TEST_CASE("the guard's limits for the device are right under a map", "[session_r
   def.guard->force = 8.0;
   CHECK(Session(def).haptics().guard().options().force == Approx(2.0));
   def.guard->workspace.setConstant(0.1);
-  CHECK_THROWS_WITH(Session(def), ContainsSubstring("a box for the guard"));
+  CHECK_THROWS_WITH(Session(def), ContainsSubstring("a box and a workspace map"));
 }
 
 TEST_CASE("the largest force of a scene file holds for all sessions of the scene", "[session_recording]") {

@@ -80,7 +80,7 @@ class OwnMechanism final : public Mechanism {
   Status take(std::int32_t result, const EnamelKinematics& state, Kinematics& kinematics) const noexcept {
     if (result != ENAMEL_OK) return statusOf(result);
     Kinematics next;
-    fromPlain(state, callbacks_.joints, next);
+    fromPlain(state, callbacks_.joints, true, next);
     if (!next.pose.position.allFinite() || !isRotation(next.pose.rotation) || !next.twist.allFinite() ||
         !next.q.allFinite() || !next.jacobian.allFinite() || !next.inverseTransposed.allFinite() ||
         !next.gravity.allFinite() || !next.inertia.allFinite())

@@ -13,8 +13,6 @@ namespace enamel::c {
 static_assert(ENAMEL_MAX_TOOL_PARTS == kMaxToolParts && ENAMEL_MAX_LAYERS == kMaxSolidLayers);
 static_assert(ENAMEL_RECORDING_END == static_cast<int>(EventKind::recordingEnd));
 
-using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
 /// Return whether a struct was initialised for this library.
 template <typename Struct>
 bool isKnown(const Struct& given) noexcept {
@@ -30,10 +28,6 @@ inline Status statusOf(std::int32_t result) noexcept {
 
 inline Pose poseOf(const EnamelPose& pose) noexcept {
   return {Eigen::Map<const Vec3>(pose.position), Eigen::Map<const RowMajor>(pose.rotation)};
-}
-inline void toPlain(const Pose& pose, double* position, double* rotation) noexcept {
-  Eigen::Map<Vec3>(position, 3) = pose.position;
-  Eigen::Map<RowMajor>(rotation, 3, 3) = pose.rotation;
 }
 inline Vec6 twistOf(const double* twist) noexcept {
   return twist == nullptr ? Vec6(Vec6::Zero()) : Vec6(Eigen::Map<const Vec6>(twist));
@@ -69,29 +63,6 @@ inline void toPlain(const Measurement& in, EnamelMeasurement& out) noexcept {
   out.enabled = in.enabled ? 1 : 0;
   out.failed = in.failed ? 1 : 0;
   out.buttons = in.buttons;
-}
-
-inline void toPlain(const Kinematics& in, EnamelKinematics& out) noexcept {
-  enamel::toPlain(in.q, out.q);
-  enamel::toPlain(in.rates, out.rates);
-  toPlain(in.pose, out.position, out.rotation);
-  Eigen::Map<Vec6>(out.twist) = in.twist;
-  std::copy_n(in.jacobian.data(), in.jacobian.size(), out.jacobian[0]);
-  std::copy_n(in.inverseTransposed.data(), in.inverseTransposed.size(), out.inverse[0]);
-  enamel::toPlain(in.gravity, out.gravity);
-}
-inline void fromPlain(const EnamelKinematics& in, int joints, Kinematics& out) noexcept {
-  enamel::fromPlain(in.q, joints, out.q);
-  enamel::fromPlain(in.rates, joints, out.rates);
-  out.pose = {Eigen::Map<const Vec3>(in.position), Eigen::Map<const RowMajor>(in.rotation)};
-  out.twist = Eigen::Map<const Vec6>(in.twist);
-  out.jacobian.resize(6, joints);
-  std::copy_n(in.jacobian[0], 6 * joints, out.jacobian.data());
-  out.inverseTransposed.resize(6, joints);
-  std::copy_n(in.inverse[0], 6 * joints, out.inverseTransposed.data());
-  enamel::fromPlain(in.gravity, joints, out.gravity);
-  out.inertia.resize(joints, joints);
-  for (int i = 0; i < joints; ++i) std::copy_n(in.inertia[i], joints, out.inertia.col(i).data());
 }
 
 /// Fill in a snapshot or an event.

@@ -132,7 +132,7 @@ std::int32_t enamel_obstacle_defaults(EnamelObstacleDef* def) {
   if (def == nullptr) return ENAMEL_NULL;
   *def = EnamelObstacleDef{};
   def->size = sizeof *def;
-  c::toPlain(Pose{}, def->pose.position, def->pose.rotation);
+  toPlain(Pose{}, def->pose.position, def->pose.rotation);
   def->material.stiffness = std::numeric_limits<double>::infinity();
   def->unit = 1e-3;
   def->cell = SolidOptions{}.cell;
@@ -185,7 +185,7 @@ std::int32_t enamel_start_virtual(EnamelSession* session, EnamelHand hand, void*
     if (hand != nullptr)
       held = [hand, user](double time, const Pose& pose, const Vec6& twist) {
         EnamelPose plain;
-        c::toPlain(pose, plain.position, plain.rotation);
+        toPlain(pose, plain.position, plain.rotation);
         Vec6 wrench = Vec6::Zero();
         hand(user, time, &plain, twist.data(), wrench.data());
         return wrench;
@@ -411,7 +411,7 @@ std::int32_t enamel_virtual_advance(EnamelVirtualDevice* device, const double* w
 std::int32_t enamel_virtual_state(EnamelVirtualDevice* device, EnamelPose* pose, double* twist) {
   if (device == nullptr || pose == nullptr || twist == nullptr) return ENAMEL_NULL;
   const DeviceState& state = device->device.state();
-  c::toPlain(state.pose(), pose->position, pose->rotation);
+  toPlain(state.pose(), pose->position, pose->rotation);
   Eigen::Map<Vec6>(twist, 6) = state.twist;
   return ENAMEL_OK;
 }
@@ -423,11 +423,11 @@ void enamel_vector_to_unity(double* vector) { enamel_vector_from_unity(vector); 
 void enamel_rotation_from_unity(const double* quaternion, double* rotation) {
   if (quaternion == nullptr || rotation == nullptr) return;
   const Eigen::Quaterniond q(quaternion[3], quaternion[0], quaternion[1], quaternion[2]);
-  Eigen::Map<c::RowMajor>(rotation, 3, 3) = rotationFromUnity(q);
+  Eigen::Map<RowMajor>(rotation, 3, 3) = rotationFromUnity(q);
 }
 void enamel_rotation_to_unity(const double* rotation, double* quaternion) {
   if (rotation == nullptr || quaternion == nullptr) return;
-  const Eigen::Quaterniond q = rotationToUnity(Mat3(Eigen::Map<const c::RowMajor>(rotation, 3, 3)));
+  const Eigen::Quaterniond q = rotationToUnity(Mat3(Eigen::Map<const RowMajor>(rotation, 3, 3)));
   Eigen::Map<Eigen::Vector4d>(quaternion, 4) = q.coeffs();
 }
 

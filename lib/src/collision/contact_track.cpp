@@ -185,8 +185,9 @@ Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, do
     out.actual = isHeld ? &axis : nullptr;
     addPart(obstacle, isHeld ? part.axis : axis, radius, known, out);
   };
-  for (std::size_t i = 0; i < track.parts_.size(); ++i)  // a path ends while its obstacle is not active
-    if (!scene.obstacles()[i / static_cast<std::size_t>(tool.count)].active) track.parts_[i].isKnown = false;
+  const auto parts = static_cast<std::size_t>(tool.count);
+  for (std::size_t i = 0; (i + 1) * parts <= track.parts_.size(); ++i)  // a path ends while its obstacle is not active
+    for (std::size_t k = 0; k < parts && !scene.obstacles()[i].active; ++k) track.parts_[i * parts + k].isKnown = false;
   const Status status = forEachPart(scene, tool, pose, margin, &track.cache_, contacts, visit);
   if (status == Status::ok) nameContacts(scene, track.last_, track.lastKey_, contacts);
   return status;

@@ -19,6 +19,12 @@ static_assert(ENAMEL_EDGE == static_cast<int>(Feature::edge) && ENAMEL_VERTEX ==
 inline int storedContacts(int count) noexcept { return std::clamp(count, 0, kMaxContacts); }
 inline int storedJoints(int count) noexcept { return std::clamp(count, 0, kMaxJoints); }
 
+using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+inline void toPlain(const Pose& pose, double* position, double* rotation) noexcept {
+  Eigen::Map<Vec3>(position, 3) = pose.position;
+  Eigen::Map<RowMajor>(rotation, 3, 3) = pose.rotation;
+}
 inline void toPlain(const JointVector& in, double* out) noexcept { std::copy_n(in.data(), in.size(), out); }
 inline void fromPlain(const double* in, int count, JointVector& out) noexcept {
   out.resize(count);
@@ -42,52 +48,57 @@ inline void toPlain(const Contact& from, EnamelContact& to) noexcept {
   to.key = from.key;
 }
 
+/// Kinematics within a plain struct. An inertia without columns is not copied.
+template <typename Plain>
+void toPlain(const Kinematics& in, Plain& out) noexcept {
+  toPlain(in.q, out.q);
+  toPlain(in.rates, out.rates);
+  toPlain(in.pose, out.position, out.rotation);
+  Eigen::Map<Vec6>(out.twist) = in.twist;
+  std::copy_n(in.jacobian.data(), in.jacobian.size(), out.jacobian[0]);
+  std::copy_n(in.inverseTransposed.data(), in.inverseTransposed.size(), out.inverse[0]);
+  toPlain(in.gravity, out.gravity);
+  for (Eigen::Index i = 0; i < in.inertia.cols(); ++i)
+    std::copy_n(in.inertia.col(i).data(), in.inertia.rows(), out.inertia[i]);
+}
+
+/// `withInertia`: the inertia is defined.
+template <typename Plain>
+void fromPlain(const Plain& in, int joints, bool withInertia, Kinematics& out) noexcept {
+  fromPlain(in.q, joints, out.q);
+  fromPlain(in.rates, joints, out.rates);
+  out.pose = {Eigen::Map<const Vec3>(in.position), Eigen::Map<const RowMajor>(in.rotation)};
+  out.twist = Eigen::Map<const Vec6>(in.twist);
+  out.jacobian.resize(6, joints);
+  std::copy_n(in.jacobian[0], 6 * joints, out.jacobian.data());
+  out.inverseTransposed.resize(6, joints);
+  std::copy_n(in.inverse[0], 6 * joints, out.inverseTransposed.data());
+  fromPlain(in.gravity, joints, out.gravity);
+  const int inertias = withInertia ? joints : 0;
+  out.inertia.resize(inertias, inertias);
+  for (int i = 0; i < inertias; ++i) std::copy_n(in.inertia[i], joints, out.inertia.col(i).data());
+}
+
 inline void toPlain(const TickFrame& in, EnamelTickInput& out) noexcept {
-  using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const Kinematics& k = in.kinematics;
   out.time = in.time;
   out.age = in.age;
-  toPlain(k.q, out.q);
-  toPlain(k.rates, out.rates);
-  Eigen::Map<Vec3>(out.position) = k.pose.position;
-  Eigen::Map<RowMajor>(out.rotation) = k.pose.rotation;
-  Eigen::Map<Vec6>(out.twist) = k.twist;
-  toPlain(k.gravity, out.gravity);
+  toPlain(in.kinematics, out);
   toPlain(in.maxTorque, out.max_torque);
   if (in.applied) toPlain(*in.applied, out.applied);
   out.applied_known = in.applied ? 1 : 0;
-  std::copy_n(k.jacobian.data(), k.jacobian.size(), out.jacobian[0]);
-  std::copy_n(k.inverseTransposed.data(), k.inverseTransposed.size(), out.inverse[0]);
-  for (Eigen::Index i = 0; i < k.inertia.cols(); ++i)
-    std::copy_n(k.inertia.col(i).data(), k.inertia.rows(), out.inertia[i]);
-  out.joint_count = static_cast<int32_t>(k.q.size());
+  out.joint_count = static_cast<int32_t>(in.kinematics.q.size());
   out.contact_count = in.contacts.count;
   for (int i = 0; i < storedContacts(in.contacts.count); ++i) toPlain(in.contacts.contacts[i], out.contacts[i]);
 }
 
-/// `withInertia`: the inertia is defined.
 inline void fromPlain(const EnamelTickInput& in, bool withInertia, TickFrame& out) noexcept {
-  using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const int n = storedJoints(in.joint_count);
-  Kinematics& k = out.kinematics;
   out.time = in.time;
   out.age = in.age;
-  fromPlain(in.q, n, k.q);
-  fromPlain(in.rates, n, k.rates);
-  k.pose.position = Eigen::Map<const Vec3>(in.position);
-  k.pose.rotation = Eigen::Map<const RowMajor>(in.rotation);
-  k.twist = Eigen::Map<const Vec6>(in.twist);
-  fromPlain(in.gravity, n, k.gravity);
+  fromPlain(in, n, withInertia, out.kinematics);
   fromPlain(in.max_torque, n, out.maxTorque);
   out.applied.reset();
   if (in.applied_known != 0) fromPlain(in.applied, n, out.applied.emplace());
-  k.jacobian.resize(6, n);
-  std::copy_n(in.jacobian[0], 6 * n, k.jacobian.data());
-  k.inverseTransposed.resize(6, n);
-  std::copy_n(in.inverse[0], 6 * n, k.inverseTransposed.data());
-  const int inertias = withInertia ? n : 0;
-  k.inertia.resize(inertias, inertias);
-  for (int i = 0; i < inertias; ++i) std::copy_n(in.inertia[i], n, k.inertia.col(i).data());
   out.contacts.count = in.contact_count;
   for (int i = 0; i < storedContacts(in.contact_count); ++i) {
     const EnamelContact& from = in.contacts[i];

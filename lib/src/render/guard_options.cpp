@@ -80,6 +80,7 @@ void setDrive(const Mechanism& device, GuardOptions& o) {
 
 GuardOptions guardFor(const Mechanism& device, double period) {
   requirePeriod(period, "guard: ");
+  require(device.scale() == 1.0, "guard: the mechanism is mapped; use toScene(guardFor(device, period), map)");
   const Kinematics& home = device.home();
   GuardOptions o;
   o.period = period;
@@ -99,10 +100,6 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   const double turning = eigenvaluesOf(inverseInertia.bottomRightCorner<3, 3>())[2];
   o.brakeTurn = turning > 0.0 ? 0.05 / (period * turning) : 0.0;
   o.rate.resize(device.joints());
-  const double scale = device.scale();
-  o.speed *= scale;
-  o.stopSpeed *= scale;
-  o.softest /= scale * scale;
   for (int i = 0; i < device.joints(); ++i)
     o.rate[i] = 2.0 * (o.stopSpeed * home.inverseTransposed.col(i).head<3>().norm() +
                        o.stopTurn * home.inverseTransposed.col(i).tail<3>().norm());
@@ -112,8 +109,22 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0})
       force = std::min(force, largestForce(home, o.torque, home.pose.position, sign * Vec3::Unit(axis)));
-  o.energy = 7e-4 * scale * force;
-  o.power = 1e-3 * scale * force;
+  o.energy = 7e-4 * force;
+  o.power = 1e-3 * force;
+  return o;
+}
+
+GuardOptions toScene(const GuardOptions& ofDevice, const WorkspaceMap& map) {
+  require(ofDevice.workspace.minCoeff() == kUnlimited,
+          "guard: a box and a workspace map, which can move, exclude each other");
+  GuardOptions o = ofDevice;
+  o.force /= map.scale;
+  for (double* const length : {&o.margin, &o.speed, &o.stopSpeed}) *length *= map.scale;
+  for (double* const perArea : {&o.brake, &o.softest}) *perArea /= map.scale * map.scale;
+  Mat6 toDevice = Mat6::Zero();  // of a twist
+  toDevice.topLeftCorner<3, 3>() = map.base.rotation.transpose() / map.scale;
+  toDevice.bottomRightCorner<3, 3>() = map.base.rotation.transpose();
+  o.damping = toDevice.transpose() * o.damping * toDevice;
   return o;
 }
 

@@ -69,6 +69,7 @@ LoopBody::~LoopBody() { device_.close(); }
 
 bool LoopBody::step() noexcept {
   const auto begin = Clock::now();
+  if (first_ && sink_ != nullptr) sink_->atStart();
   const GuardOptions& guard = haptics_.guard().options();
   // The first tick uses the constructor's measurement unless a newer one exists.
   Measurement fresh = measurement_;

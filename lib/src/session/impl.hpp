@@ -51,6 +51,8 @@ struct Touch {
 }  // namespace session
 
 struct Session::Impl final : TickSink {
+  enum class Loop : std::uint8_t { none, own, threaded };  // what runs the ticks: nothing, tick(), start()
+
   /// A renderer, and its names in a recording's header.
   struct RendererChoice {
     std::unique_ptr<Renderer> renderer;
@@ -64,11 +66,12 @@ struct Session::Impl final : TickSink {
   // Callers, with the group's mutex; choose() and select() without.
   template <typename Function>
   void post(Function function) {
-    queue.post(std::move(function), isLive() && std::this_thread::get_id() != ownThread);
+    queue.post(std::move(function), isLive() && !isLoop());
   }
   std::unique_lock<std::mutex> lock() const;
   bool isLoop() const noexcept { return loopThread.load(std::memory_order_relaxed) == std::this_thread::get_id(); }
-  bool isLive() const noexcept { return live.load(std::memory_order_acquire); }
+  bool isThreaded() const noexcept { return runs.load(std::memory_order_acquire) == Loop::threaded; }
+  bool isLive() const noexcept { return runs.load(std::memory_order_acquire) != Loop::none; }
   void requireRoom();
   void join(const SessionDef& def);
   void leave() noexcept;
@@ -78,9 +81,11 @@ struct Session::Impl final : TickSink {
   void changeObstacles(session::Obstacles next);
   RendererChoice choose(const std::string& name, const std::map<std::string, std::string>& parameters) const;
   void select(RendererChoice next);
-  void goLive();
+  void enterLoop(Loop kind);
+  void leaveLoop() noexcept;
 
   // The loop.
+  void atStart() noexcept override { loopThread.store(std::this_thread::get_id(), std::memory_order_relaxed); }
   void before(Measurement& measurement) noexcept override;
   void tick(const LoopTick& tick, const HapticTick& haptics) noexcept override;
   bool exists(ObstacleId id) const noexcept;
@@ -116,12 +121,10 @@ struct Session::Impl final : TickSink {
   std::unique_ptr<Recorder> recorder;
   std::unique_ptr<HapticDevice> owned;  // of start(); may be null
   std::unique_ptr<HapticLoop> loop;
-  std::atomic<bool> live{false};    // a loop runs
   std::atomic<bool> strays{false};  // ticks depend on what a recording does not contain
   bool hasRun = false;
-  std::atomic<bool> isThreaded{false};        // between start() and stop()
-  std::atomic<std::thread::id> loopThread{};  // of start(); none in an own loop
-  std::thread::id ownThread;                  // of tick()
+  std::atomic<Loop> runs{Loop::none};
+  std::atomic<std::thread::id> loopThread{};  // while `runs`
 
   // The loop.
   std::unique_ptr<session::World> world;

@@ -42,20 +42,6 @@ std::shared_ptr<Group> groupOf(const SceneFile& file) {
   return group;
 }
 
-// Convert options for the device to the frame of the scene.
-GuardOptions inScene(GuardOptions options, const WorkspaceMap& map) {
-  require(options.workspace.minCoeff() == kUnlimited,
-          "session: a box for the guard needs a session without map, clutch and centring, which move the box");
-  options.force /= map.scale;
-  for (double* const length : {&options.margin, &options.speed, &options.stopSpeed}) *length *= map.scale;
-  for (double* const perLength : {&options.brake, &options.softest}) *perLength /= map.scale * map.scale;
-  Mat6 toDevice = Mat6::Zero();
-  toDevice.topLeftCorner<3, 3>() = map.base.rotation.transpose() / map.scale;
-  toDevice.bottomRightCorner<3, 3>() = map.base.rotation.transpose();
-  options.damping = toDevice.transpose() * options.damping * toDevice;
-  return options;
-}
-
 void requireNumber(double value, double low, double high, const char* name, const char* unit) {
   require(value >= low && value <= high, std::string("session: ") + name + " is " + formatNumber(value) +
                                              ", must be in " + formatNumber(low) + " to " + formatNumber(high) + unit);
@@ -89,8 +75,8 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
           std::string("session: the start pose of the tool is ") + toString(startStatus) +
               "; is it in metres, with a rotation matrix, and within the device's workspace?");
   choice = choose(def.renderer, def.parameters);
-  GuardOptions guard = guardFor(seen, period);
-  if (def.guard) guard = mapped ? inScene(*def.guard, mapped->map()) : *def.guard;
+  GuardOptions guard = def.guard ? *def.guard : guardFor(*device, period);
+  if (mapped) guard = toScene(guard, mapped->map());
   guard.period = period;
   guard.force = std::min(guard.force, def.maxForce / seen.scale());
   world = makeWorld(group->obstacles, {}, {}, tool_, true);
@@ -179,7 +165,7 @@ void Session::Impl::awaitLoop() const {
 
 // Lock out other callers. The loop must not wait: it has TickAccess.
 std::unique_lock<std::mutex> Session::Impl::lock() const {
-  if (isLoop())
+  if (isThreaded() && isLoop())
     throw Error("session: a function of the session was called in beforeTick or in a hand; use TickAccess there");
   return std::unique_lock<std::mutex>(group->mutex);
 }
@@ -190,10 +176,17 @@ void Session::Impl::requireRoom() {
                                " changes are waiting: the loop does not run; call tick(), or stop()");
 }
 
-void Session::Impl::goLive() {
+// The ticks run on this thread, or as soon as the thread of start() begins, on that one.
+void Session::Impl::enterLoop(Loop kind) {
   hasRun = true;
   lastTime = -1.0;
-  live.store(true, std::memory_order_release);
+  atStart();
+  runs.store(kind, std::memory_order_release);
+}
+
+void Session::Impl::leaveLoop() noexcept {
+  runs.store(Loop::none, std::memory_order_release);
+  loopThread.store({}, std::memory_order_relaxed);
 }
 
 std::size_t Session::Impl::slotOf(ObstacleId id) const {
@@ -212,6 +205,7 @@ void Session::Impl::enter(std::unique_ptr<World> next) {
   post([this, isFirst, next = std::move(next)]() mutable noexcept {
     if (!isFirst) stray();
     session::exchange(*haptics, world, next);
+    spin(spins);
   });
 }
 
@@ -249,15 +243,15 @@ void Session::start(HapticDevice& haptic) {
   options.period = impl_->def.poll;
   options.priority = impl_->def.priority;
   options.lockMemory = impl_->def.lockMemory;
-  impl_->goLive();
-  impl_->isThreaded.store(true, std::memory_order_release);
+  impl_->enterLoop(Impl::Loop::threaded);
   try {
     impl_->loop = std::make_unique<HapticLoop>(haptic, *impl_->haptics, options);
   } catch (...) {
-    impl_->isThreaded.store(false);
-    impl_->live.store(false);
+    impl_->leaveLoop();
     throw;
   }
+  std::thread::id starting = std::this_thread::get_id();  // it measured; from here on it is a caller again
+  impl_->loopThread.compare_exchange_strong(starting, {});
 }
 
 void Session::start(std::unique_ptr<HapticDevice> haptic) {
@@ -268,13 +262,10 @@ void Session::start(std::unique_ptr<HapticDevice> haptic) {
 }
 
 void Session::stop() noexcept {
-  if (impl_->isLoop()) return;  // the loop cannot wait for itself
+  if (impl_->isThreaded() && impl_->isLoop()) return;  // the loop cannot wait for itself
   const Lock lock = impl_->lock();
   impl_->loop.reset();
-  impl_->loopThread.store({});
-  impl_->isThreaded.store(false);
-  impl_->live.store(false);
-  impl_->ownThread = {};
+  impl_->leaveLoop();
   impl_->queue.run();
   impl_->queue.collect();
 }
@@ -283,14 +274,13 @@ bool Session::isRunning() const noexcept { return impl_->isLive(); }
 
 Status Session::tick(const Measurement& measurement, Command& command) noexcept {
   Impl& s = *impl_;
-  if (s.isThreaded.load(std::memory_order_acquire)) {  // the loop of start() runs the ticks
+  if (s.isThreaded()) {  // the loop of start() runs the ticks
     command.effort = JointVector::Zero(s.device->joints());
     return Status::inactive;
   }
   if (!s.isLive()) {
     const Lock lock = s.lock();
-    s.ownThread = std::this_thread::get_id();
-    s.goLive();
+    s.enterLoop(Impl::Loop::own);
   }
   LoopTick& tick = s.ownTick;
   tick.measurement = measurement;

@@ -70,8 +70,6 @@ void Session::Impl::applySharedCuts() noexcept {
 }
 
 void Session::Impl::before(Measurement& measurement) noexcept {
-  if (isThreaded.load(std::memory_order_relaxed))
-    loopThread.store(std::this_thread::get_id(), std::memory_order_relaxed);
   queue.run();
   applySharedCuts();
   const int button = def.clutchButton;

@@ -65,8 +65,6 @@ void exchange(HapticTick& tick, std::unique_ptr<World>& world, std::unique_ptr<W
   if (next->keepsDrill && world->drill) {
     world->drill->exchangeSolids(next->forDrill);
     std::swap(next->drill, world->drill);
-  } else if (next->drill && world->drill) {
-    next->drill->spin(world->drill->spins());
   }
   tick.attach(next->drill.get());
   std::swap(next->tick, world->tick);  // the old obstacles go with the old world

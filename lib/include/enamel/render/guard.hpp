@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "enamel/device/haptic_device.hpp"
-#include "enamel/device/mechanism.hpp"
+#include "enamel/device/mapped_mechanism.hpp"
 #include "enamel/render/frame.hpp"
 
 namespace enamel {
@@ -79,8 +79,13 @@ struct GuardOptions {
 /// - energy: F over 0.7 mm; power: F at 1 mm/s. F is the largest force at home in the weakest of the six axis
 ///   directions.
 ///
-/// Throws Error if the period is outside 1e-5 to 0.1 s. Realtime: no.
+/// Throws Error if the period is outside 1e-5 to 0.1 s, or if the device is scaled (MappedMechanism): toScene()
+/// converts the options of the device itself. Realtime: no.
 GuardOptions guardFor(const Mechanism& device, double period);
+
+/// Return the options of a device for a MappedMechanism with this map: lengths and forces are those in the scene.
+/// Throws Error if they limit the workspace. Realtime: no.
+GuardOptions toScene(const GuardOptions& ofDevice, const WorkspaceMap& map);
 
 /// Set drive and linkInertia to those of a device at home. Realtime: no.
 void setDrive(const Mechanism& device, GuardOptions& options);

@@ -41,6 +41,9 @@ class TickSink {
  public:
   virtual ~TickSink() = default;
 
+  /// Called once, before the first measurement of the loop. Must be Realtime: yes.
+  virtual void atStart() noexcept {}
+
   /// Called before each tick. It may change the measurement, for example `enabled`. Must be Realtime: yes.
   virtual void before(Measurement& measurement) noexcept { (void)measurement; }
 

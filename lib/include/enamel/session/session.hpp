@@ -56,8 +56,7 @@ class Session {
   /// Return the newest state. Never waits for the loop.
   Snapshot snapshot() const;
 
-  /// Take the oldest event. Return false if no event is waiting. The queue has room for
-  /// 1024.
+  /// Take the oldest event. Return false if no event is waiting. The queue has room for 1024.
   bool nextEvent(SessionEvent& event);
 
   // Obstacles.

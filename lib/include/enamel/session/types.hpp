@@ -77,8 +77,8 @@ struct Snapshot {
   bool clutched = false;            ///< the tool is frozen
   bool spins = false;               ///< the bur spins
   RemovedVolume removed{};          ///< material removed by this session since its start, m^3 by layer
-  std::uint64_t missed = 0;         ///< deadlines that passed without a tick; see PeriodicTiming
-  std::uint64_t held = 0;           ///< periods without a new sample
+  std::uint64_t missed = 0;         ///< periods that passed without a tick, by the time stamps
+  std::uint64_t held = 0;           ///< ticks without a new sample
   std::uint64_t droppedEvents = 0;  ///< events without room in the queue
   std::uint64_t lostCuts = 0;       ///< cuts that another session did not take in time: its solids have more material
 };
