@@ -23,8 +23,9 @@ using Eigen::VectorXd;
 class LinearLoop::Loop {
  public:
   virtual ~Loop() = default;
-  virtual MatrixXd matrix(const DeviceErrors& errors, std::size_t condition) const = 0;
-  std::vector<LoopCondition> conditions;
+  virtual MatrixXd matrix(const DeviceErrors& errors, std::size_t push) const = 0;
+  std::vector<double> pushes;  // N
+  int delay = 0;               // assumed, ticks
 };
 
 // State of the loop: mechanical states and motor of each mode at a sample; the observer's states after the sample
@@ -33,7 +34,7 @@ template <int kMech>
 class LinearLoop::LoopOf final : public LinearLoop::Loop {
  public:
   LoopOf(const ControlledModes& modes, const JointVector& normal, double largest);
-  MatrixXd matrix(const DeviceErrors& errors, std::size_t condition) const override;
+  MatrixXd matrix(const DeviceErrors& errors, std::size_t push) const override;
 
  private:
   using Observer = PushObserver<kMech>;
@@ -45,11 +46,11 @@ class LinearLoop::LoopOf final : public LinearLoop::Loop {
     double inertia;  // of the link
     Matrix<kSeen> state;
     Matrix<kSeen, 1> command, wouldBe;
-    std::vector<Matrix<kSeen, 1>> gain;  // of a reading, in each condition
+    std::vector<Matrix<kSeen, 1>> gain;  // of a reading, under each push
   };
 
   typename Observer::State atRest(const ControlledModes& m, const Observer& observer, const Lane& row,
-                                  const LoopCondition& condition) const;
+                                  double force) const;
   void linearise(const ControlledModes& m, Observer& observer, const Lane& row);
   MatrixXd alongWall(Eigen::Index size) const;
 
@@ -62,7 +63,8 @@ class LinearLoop::LoopOf final : public LinearLoop::Loop {
 template <int kMech>
 LinearLoop::LoopOf<kMech>::LoopOf(const ControlledModes& m, const JointVector& normal, double largest) : data_(m.data) {
   constexpr double kVisible = 1e-9;  // motions that a force along the normal does not cause, as a share
-  conditions = {{0.0, false}, {m.handStep, false}, {0.5 * largest, false}, {0.0, true}, {m.handStep, true}, {0.5 * largest, true}};
+  delay = m.data.delay;
+  pushes = {0.0, m.handStep, 0.5 * largest};
   Lane row{};
   for (Eigen::Index j = 0; j < normal.size(); ++j)
     for (int k = 0; k < m.count; ++k) row[k] += m.axes[j][k] * normal[j];
@@ -79,22 +81,17 @@ LinearLoop::LoopOf<kMech>::LoopOf(const ControlledModes& m, const JointVector& n
 // The observer at rest under a push against the normal, when its covariance no longer changes; after its prediction.
 template <int kMech>
 typename LinearLoop::LoopOf<kMech>::Observer::State LinearLoop::LoopOf<kMech>::atRest(
-    const ControlledModes& m, const Observer& observer, const Lane& row, const LoopCondition& condition) const {
+    const ControlledModes& m, const Observer& observer, const Lane& row, double force) const {
   constexpr int kMostTicks = 20000;
   constexpr double kSteady = 1e-10;
   typename Observer::State s{};
-  for (int k = 0; k < m.count; ++k) {
-    // Without the rounding that is uniform, readings are Gaussian, and the observer is linear.
-    const double uniform = m.largestStep[k] * m.largestStep[k] / 12.0;
-    const double variance = m.readingVariance[k];
-    observer.describe(s, k, m.inertia[k], m.step[k], m.tremor[k],
-                      {condition.large ? std::max(variance - uniform, 1e-6 * variance) : variance, 0.0});
-  }
+  for (int k = 0; k < m.count; ++k)  // without a largest step, readings are Gaussian, and the observer is linear
+    observer.describe(s, k, m.inertia[k], m.step[k], m.tremor[k], {m.readingVariance[k], 0.0});
   Observer mine = observer;
   mine.start(s, m.count, Lane{});
   Lane command{};
   for (int k = 0; k < m.count; ++k) {
-    const double push = -row[k] * condition.push;
+    const double push = -row[k] * force;
     command[k] = s.part[0].x[Observer::kLag][k] = -push;
     s.part[0].x[Observer::kPush][k] = push;
     if (kMech == 4) s.part[0].x[0][k] = -push / data_.drive.stiffness;
@@ -126,7 +123,7 @@ typename LinearLoop::LoopOf<kMech>::Observer::State LinearLoop::LoopOf<kMech>::a
 template <int kMech>
 void LinearLoop::LoopOf<kMech>::linearise(const ControlledModes& m, Observer& observer, const Lane& row) {
   std::vector<typename Observer::State> rest;
-  for (const LoopCondition& condition : conditions) rest.push_back(atRest(m, observer, row, condition));
+  for (const double force : pushes) rest.push_back(atRest(m, observer, row, force));
   observer.reload(rest.front());
   std::vector<Mode> all(static_cast<std::size_t>(m.count));
   Lane ones;
@@ -198,7 +195,7 @@ MatrixXd LinearLoop::LoopOf<kMech>::alongWall(Eigen::Index size) const {
 }
 
 template <int kMech>
-MatrixXd LinearLoop::LoopOf<kMech>::matrix(const DeviceErrors& errors, std::size_t condition) const {
+MatrixXd LinearLoop::LoopOf<kMech>::matrix(const DeviceErrors& errors, std::size_t push) const {
   const double late = data_.delay + errors.delay, T = data_.period;
   const int whole = static_cast<int>(std::floor(late)), assumed = data_.delay;
   const double part = late - whole;
@@ -218,7 +215,7 @@ MatrixXd LinearLoop::LoopOf<kMech>::matrix(const DeviceErrors& errors, std::size
     x += mode.row * mode.command * sent(assumed + 1);
     Eigen::RowVectorXd innovation = -x.row(read_);
     innovation[k * kPlant + read_] += 1.0;
-    x += mode.gain[condition] * innovation;
+    x += mode.gain[push] * innovation;
     next.middleRows(seenAt + k * kSeen, kSeen) = x;
     for (int d = assumed; d > 0; --d) x = (mode.state * x + mode.row * mode.command * sent(d)).eval();
     force -= mode.row / compliance_ * mode.wouldBe.transpose() * x;
@@ -274,16 +271,23 @@ LinearLoop::LinearLoop(const DeviceParameters& device, double period, int delay,
 LinearLoop::~LinearLoop() = default;
 LinearLoop::LinearLoop(LinearLoop&&) noexcept = default;
 
-std::vector<LoopCondition> LinearLoop::conditions() const { return loop_->conditions; }
+const std::vector<double>& LinearLoop::pushes() const noexcept { return loop_->pushes; }
 
-MatrixXd LinearLoop::matrix(const DeviceErrors& errors, std::size_t condition) const {
-  return loop_->matrix(errors, condition);
+MatrixXd LinearLoop::matrix(const DeviceErrors& errors, std::size_t push) const {
+  require(push < pushes().size(), "stability: there is no push " + std::to_string(push));
+  const auto check = [](const char* name, double value, bool isGood, const char* limit) {
+    require(isGood && std::isfinite(value),
+            std::string("stability: the ") + name + " is " + formatNumber(value) + ", must be " + limit);
+  };
+  check("factor of the mass", errors.mass, errors.mass > 0.0, "positive");
+  check("factor of the cable stiffness", errors.cable, errors.cable > 0.0, "positive");
+  check("delay", loop_->delay + errors.delay, loop_->delay + errors.delay >= 0.0, "zero or positive");
+  return loop_->matrix(errors, push);
 }
 
 double LinearLoop::radius(const DeviceErrors& errors) const {
   double largest = 0.0;
-  for (std::size_t i = 0; i < loop_->conditions.size(); ++i)
-    largest = std::max(largest, spectralRadius(loop_->matrix(errors, i)));
+  for (std::size_t i = 0; i < pushes().size(); ++i) largest = std::max(largest, spectralRadius(matrix(errors, i)));
   return largest;
 }
 

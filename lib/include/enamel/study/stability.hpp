@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "enamel/device/device_file.hpp"
 
@@ -17,12 +18,6 @@ struct DeviceErrors {
   double delay = 0.0;  ///< delay of a command minus the assumed one, ticks; may be a part of a tick
 };
 
-/// The state of the loop at which it is linear.
-struct LoopCondition {
-  double push = 0.0;   ///< push of the hand against the wall, N
-  bool large = false;  ///< motions are much larger than an encoder step
-};
-
 /// The linear closed loop of position control, in steady contact of the TCP with a wall at home. lib/docs/stability.md
 /// has the assumptions. Immutable; threads may share it.
 class LinearLoop {
@@ -33,12 +28,12 @@ class LinearLoop {
   ~LinearLoop();
   LinearLoop(LinearLoop&&) noexcept;
 
-  /// Return the conditions of radius().
-  std::vector<LoopCondition> conditions() const;
-  /// Return the closed-loop matrix over one tick in one of conditions(). It does not contain the motion along the wall.
+  /// Return the pushes of radius(), N: none, the hand step, and half the largest force of the motors.
+  const std::vector<double>& pushes() const noexcept;
+  /// Return the closed-loop matrix over one tick under pushes()[push]. It does not contain the motion along the wall.
   /// Throws Error if an error is not finite, a factor is not positive, or the whole delay is negative. Realtime: no.
-  Eigen::MatrixXd matrix(const DeviceErrors& errors, std::size_t condition) const;
-  /// Return its largest spectral radius. Throws as matrix(). Realtime: no.
+  Eigen::MatrixXd matrix(const DeviceErrors& errors, std::size_t push) const;
+  /// Return its largest spectral radius over all pushes. Throws as matrix(). Realtime: no.
   double radius(const DeviceErrors& errors) const;
 
  private:
