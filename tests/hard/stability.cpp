@@ -1,5 +1,5 @@
-// The linear closed loop of position control against simulated loops, and random loops on devices that differ from their
-// files by errors at which the linear loop is stable.
+// The linear closed loop of position control against simulated loops, and random loops on devices that differ from
+// their files by errors at which the linear loop is stable.
 #include "enamel/study/stability.hpp"
 
 #include <algorithm>
@@ -63,7 +63,8 @@ class Late final : public Plant {
     state_ = plant_->state();
     return status;
   }
-  Status advance(double time, double duration, const JointVector& torque, const ExternalWrench& load) noexcept override {
+  Status advance(double time, double duration, const JointVector& torque,
+                 const ExternalWrench& load) noexcept override {
     const double late = part_ * duration;
     Status status = Status::ok;
     if (late > 0.0 && last_.size() > 0) status = plant_->advance(time, late, last_, load);
@@ -120,7 +121,10 @@ struct Setup {
 class Loop {
  public:
   explicit Loop(const Setup& s)
-      : errors_(s.errors), model_(makeMechanism(modelFor(plantOf(s.device), s.device))), normal_(s.normal), scene_(flatWall(Vec3::Zero(), s.normal)) {
+      : errors_(s.errors),
+        model_(makeMechanism(modelFor(plantOf(s.device), s.device))),
+        normal_(s.normal),
+        scene_(flatWall(Vec3::Zero(), s.normal)) {
     const int whole = static_cast<int>(std::floor(s.delay + s.errors.delay));
     part_ = s.delay + s.errors.delay - whole;
     VirtualDeviceSetup setup;

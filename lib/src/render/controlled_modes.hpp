@@ -10,9 +10,9 @@ namespace enamel {
 struct ControlledModes {
   ModeData data;
   int count;
-  double handStep;                         ///< F_h, N
-  double axes[kMaxJoints][kLanes];         ///< column k: mode k in joint coordinates
-  Lane inertia, step, tremor;              ///< as PushObserver::State
+  double handStep;                  ///< F_h, N
+  double axes[kMaxJoints][kLanes];  ///< column k: mode k in joint coordinates
+  Lane inertia, step, tremor;       ///< as PushObserver::State
   Lane readingVariance, largestStep;
 };
 

@@ -103,9 +103,9 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   };
   // The modes at the time when the command acts.
   struct alignas(64) Ahead {
-    States x, next;        // at that time, and a tick later without a force
-    States sensitivity;    // derivative of `next` by ln(mass), due to what acts from now on
-    Lane now;              // measured
+    States x, next;      // at that time, and a tick later without a force
+    States sensitivity;  // derivative of `next` by ln(mass), due to what acts from now on
+    Lane now;            // measured
     typename Observer::Law law;
     Lane inertia;    // of link and rotor together
     double seconds;  // from the sample to that time

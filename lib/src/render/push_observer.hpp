@@ -96,8 +96,8 @@ class PushObserver {
   const double (&commandSensitivity(int i) const noexcept)[kLanes] {
     return model_.slope[ModeTable<kMech>::kCommandAt + i];
   }
-  /// Return the law of the controller: each mode's torque is stiffness (target - wouldBe). wouldBe is the place to which
-  /// the hand would move the mode, at states `x`; `lead` are the seconds of speed in it.
+  /// Return the law of the controller: each mode's torque is stiffness (target - wouldBe). wouldBe is the place to
+  /// which the hand would move the mode, at states `x`; `lead` are the seconds of speed in it.
   struct Law {
     Lane stiffness, lead, wouldBe;
   };

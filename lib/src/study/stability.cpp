@@ -19,13 +19,12 @@ namespace enamel {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// The loop, with rotors behind cables or rigid.
+// The loop at one wall, with rotors behind cables or rigid.
 class LinearLoop::Loop {
  public:
   virtual ~Loop() = default;
   virtual MatrixXd matrix(const DeviceErrors& errors, std::size_t push) const = 0;
-  std::vector<double> pushes;  // N
-  int delay = 0;               // assumed, ticks
+  virtual const Drive& drive() const noexcept = 0;
 };
 
 // State of the loop: mechanical states and motor of each mode at a sample; the observer's states after the sample
@@ -33,8 +32,9 @@ class LinearLoop::Loop {
 template <int kMech>
 class LinearLoop::LoopOf final : public LinearLoop::Loop {
  public:
-  LoopOf(const ControlledModes& modes, const JointVector& normal, double largest);
+  LoopOf(const ControlledModes& modes, const JointVector& normal, const std::vector<double>& pushes);
   MatrixXd matrix(const DeviceErrors& errors, std::size_t push) const override;
+  const Drive& drive() const noexcept override { return data_.drive; }
 
  private:
   using Observer = PushObserver<kMech>;
@@ -49,102 +49,33 @@ class LinearLoop::LoopOf final : public LinearLoop::Loop {
     std::vector<Matrix<kSeen, 1>> gain;  // of a reading, under each push
   };
 
-  typename Observer::State atRest(const ControlledModes& m, const Observer& observer, const Lane& row,
-                                  double force) const;
-  void linearise(const ControlledModes& m, Observer& observer, const Lane& row);
+  typename Observer::State atRest(const ControlledModes& m, Observer observer, const Lane& row, double force) const;
+  std::vector<Mode> modesOf(const ControlledModes& m, Observer& observer, const Lane& row);
   MatrixXd alongWall(Eigen::Index size) const;
 
   ModeData data_;
-  int read_ = 0;  // state that encoders read
+  int read_ = 0;             // state that encoders read
   double compliance_ = 0.0;  // of the controller along the normal, m/N
   std::vector<Mode> modes_;
 };
 
 template <int kMech>
-LinearLoop::LoopOf<kMech>::LoopOf(const ControlledModes& m, const JointVector& normal, double largest) : data_(m.data) {
-  constexpr double kVisible = 1e-9;  // motions that a force along the normal does not cause, as a share
-  delay = m.data.delay;
-  pushes = {0.0, m.handStep, 0.5 * largest};
+LinearLoop::LoopOf<kMech>::LoopOf(const ControlledModes& m, const JointVector& normal,
+                                  const std::vector<double>& pushes)
+    : data_(m.data) {
+  constexpr double kMoves = 1e-9;  // share of the motion of a mode that rounding explains
   Lane row{};
-  for (Eigen::Index j = 0; j < normal.size(); ++j)
-    for (int k = 0; k < m.count; ++k) row[k] += m.axes[j][k] * normal[j];
+  double most = 0.0;
+  for (int k = 0; k < m.count; ++k) {
+    for (Eigen::Index j = 0; j < normal.size(); ++j) row[k] += m.axes[j][k] * normal[j];
+    most = std::max(most, row[k] * row[k] / m.inertia[k]);
+  }
   Observer observer(m.data);
   read_ = observer.readState();
-  double size = 0.0;
-  for (int k = 0; k < m.count; ++k) size = std::max(size, row[k] * row[k] / m.inertia[k]);
-  for (int k = 0; k < m.count; ++k) {
-    if (row[k] * row[k] / m.inertia[k] < kVisible * size) row[k] = 0.0;
-  }
-  linearise(m, observer, row);
-}
-
-// The observer at rest under a push against the normal, when its covariance no longer changes; after its prediction.
-template <int kMech>
-typename LinearLoop::LoopOf<kMech>::Observer::State LinearLoop::LoopOf<kMech>::atRest(
-    const ControlledModes& m, const Observer& observer, const Lane& row, double force) const {
-  constexpr int kMostTicks = 20000;
-  constexpr double kSteady = 1e-10;
-  typename Observer::State s{};
-  for (int k = 0; k < m.count; ++k)  // without a largest step, readings are Gaussian, and the observer is linear
-    observer.describe(s, k, m.inertia[k], m.step[k], m.tremor[k], {m.readingVariance[k], 0.0});
-  Observer mine = observer;
-  mine.start(s, m.count, Lane{});
-  Lane command{};
-  for (int k = 0; k < m.count; ++k) {
-    const double push = -row[k] * force;
-    command[k] = s.part[0].x[Observer::kLag][k] = -push;
-    s.part[0].x[Observer::kPush][k] = push;
-    if (kMech == 4) s.part[0].x[0][k] = -push / data_.drive.stiffness;
-  }
-  std::memcpy(s.mean, s.part[0].x, sizeof s.mean);
-  const auto one = [&s] {  // the hypothesis without a jump
-    s.count = s.weight[0] = 1.0;
-  };
-  typename Observer::State before = s;
-  for (int i = 0;; ++i) {
-    mine.predict(s, command);
-    one();
-    bool isSteady = true;
-    for (int k = 0; k < m.count; ++k)
-      for (int j = 0; j < Observer::kScale; ++j) {
-        const double now = s.P[Observer::at(j, j)][k];
-        isSteady = isSteady && std::abs(now - before.P[Observer::at(j, j)][k]) <= kSteady * now;
-      }
-    if (isSteady || i == kMostTicks) break;
-    before = s;
-    Lane reading;
-    for (int k = 0; k < kLanes; ++k) reading[k] = s.part[0].x[read_][k];
-    mine.correct(s, reading);
-    mine.merge(s);
-  }
-  return s;
-}
-
-template <int kMech>
-void LinearLoop::LoopOf<kMech>::linearise(const ControlledModes& m, Observer& observer, const Lane& row) {
   std::vector<typename Observer::State> rest;
-  for (const double force : pushes) rest.push_back(atRest(m, observer, row, force));
+  for (const double push : pushes) rest.push_back(atRest(m, observer, row, push));
   observer.reload(rest.front());
-  std::vector<Mode> all(static_cast<std::size_t>(m.count));
-  Lane ones;
-  ones.fill(1.0);
-  typename Observer::Law law;
-  const auto unit = [&](int i, auto& x) {
-    std::memset(x, 0, sizeof x);
-    if (i < kSeen)
-      for (double& number : x[i]) number = 1.0;
-  };
-  for (int i = 0; i <= kSeen; ++i) {  // responses to each state, then to a command
-    typename Observer::States x;
-    unit(i, x);
-    observer.law(x, m.count, law);
-    observer.advance(i == kSeen ? ones : Lane{}, x);
-    for (int k = 0; k < m.count; ++k) {
-      Mode& mode = all[static_cast<std::size_t>(k)];
-      for (int j = 0; j < kSeen; ++j) (i == kSeen ? mode.command[j] : mode.state(j, i)) = x[j][k];
-      if (i < kSeen) mode.wouldBe[i] = law.wouldBe[k];
-    }
-  }
+  std::vector<Mode> all = modesOf(m, observer, row);
   for (typename Observer::State& s : rest) {
     const typename Observer::State before = s;
     Lane reading;
@@ -156,13 +87,72 @@ void LinearLoop::LoopOf<kMech>::linearise(const ControlledModes& m, Observer& ob
       all[static_cast<std::size_t>(k)].gain.push_back(gain);
     }
   }
+  for (const Mode& mode : all)
+    if (mode.row * mode.row / mode.inertia > kMoves * most) modes_.push_back(mode);
+}
+
+// The observer at rest under a push against the normal, when its covariance no longer changes; after its prediction.
+template <int kMech>
+typename LinearLoop::LoopOf<kMech>::Observer::State LinearLoop::LoopOf<kMech>::atRest(const ControlledModes& m,
+                                                                                      Observer observer,
+                                                                                      const Lane& row,
+                                                                                      double force) const {
+  constexpr int kMostTicks = 20000;
+  constexpr double kSteady = 1e-10;
+  typename Observer::State s{}, before{};
+  for (int k = 0; k < m.count; ++k)  // without a largest step, readings are Gaussian, and the observer is linear
+    observer.describe(s, k, m.inertia[k], m.step[k], m.tremor[k], {m.readingVariance[k], 0.0});
+  observer.start(s, m.count, Lane{});
+  Lane command{};
   for (int k = 0; k < m.count; ++k) {
-    Mode& mode = all[static_cast<std::size_t>(k)];
-    mode.row = row[k];
-    mode.inertia = m.inertia[k];
-    compliance_ += row[k] * row[k] / law.stiffness[k];
-    if (row[k] != 0.0) modes_.push_back(mode);
+    command[k] = s.part[0].x[Observer::kLag][k] = row[k] * force;
+    s.part[0].x[Observer::kPush][k] = -command[k];
+    if (kMech == 4) s.part[0].x[0][k] = command[k] / data_.drive.stiffness;
   }
+  std::memcpy(s.mean, s.part[0].x, sizeof s.mean);
+  for (int tick = 0;; ++tick) {
+    observer.predict(s, command);
+    s.count = s.weight[0] = 1.0;  // the hypothesis without a jump
+    bool isSteady = true;
+    for (int i = 0; i < Observer::kScale; ++i)
+      for (int k = 0; k < m.count; ++k) {
+        const double now = s.P[Observer::at(i, i)][k];
+        isSteady = isSteady && std::abs(now - before.P[Observer::at(i, i)][k]) <= kSteady * now;
+      }
+    if (isSteady || tick == kMostTicks) return s;
+    before = s;
+    Lane reading;
+    for (int k = 0; k < kLanes; ++k) reading[k] = s.part[0].x[read_][k];
+    observer.correct(s, reading);
+    observer.merge(s);
+  }
+}
+
+// Responses of the observer and of the law to each state, and to a command.
+template <int kMech>
+std::vector<typename LinearLoop::LoopOf<kMech>::Mode> LinearLoop::LoopOf<kMech>::modesOf(const ControlledModes& m,
+                                                                                         Observer& observer,
+                                                                                         const Lane& row) {
+  std::vector<Mode> all(static_cast<std::size_t>(m.count));
+  typename Observer::Law law;
+  for (int i = 0; i <= kSeen; ++i) {
+    typename Observer::States x = {};
+    Lane command{};
+    for (int k = 0; k < kLanes; ++k) (i < kSeen ? x[i][k] : command[k]) = 1.0;
+    observer.law(x, m.count, law);
+    observer.advance(command, x);
+    for (int k = 0; k < m.count; ++k) {
+      Mode& mode = all[static_cast<std::size_t>(k)];
+      for (int j = 0; j < kSeen; ++j) (i < kSeen ? mode.state(j, i) : mode.command[j]) = x[j][k];
+      if (i < kSeen) mode.wouldBe[i] = law.wouldBe[k];
+    }
+  }
+  for (int k = 0; k < m.count; ++k) {
+    all[static_cast<std::size_t>(k)].row = row[k];
+    all[static_cast<std::size_t>(k)].inertia = m.inertia[k];
+    compliance_ += row[k] * row[k] / law.stiffness[k];
+  }
+  return all;
 }
 
 // Motions along the wall at constant speed: they cause no force, so their eigenvalues are 1 with every controller that
@@ -245,50 +235,93 @@ MatrixXd LinearLoop::LoopOf<kMech>::matrix(const DeviceErrors& errors, std::size
   return rest.transpose() * next * rest;
 }
 
-LinearLoop::LinearLoop(const DeviceParameters& device, double period, int delay, const Vec3& normal) {
+LinearLoop::LinearLoop(const DeviceParameters& device, double period, int delay) : delay_(delay) {
   const auto mechanism = makeMechanism(modelFor(plantOf(device), device));
   PositionControlRenderer renderer(positionControlFor(*mechanism, period, delay, delay));
   LoopSetup setup;
   setup.period = period;
   VirtualLoop loop(*mechanism, renderer, setup);
   TickRecord record;
-  require(loop.tick([](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); }, record) == Status::ok &&
-              record.status == Status::ok,
+  const auto nothing = [](double, const Pose&, const Vec6&) -> Vec6 { return Vec6::Zero(); };
+  require(loop.tick(nothing, record) == Status::ok && record.status == Status::ok,
           "stability: " + mechanism->name() + " cannot rest at home");
-  const Kinematics& home = loop.frame().kinematics;
-  JointVector row = home.jacobian.topRows<3>().transpose() * normal;
-  const JointVector& effort = mechanism->limits().effort;
-  for (Eigen::Index j = 0; j < row.size(); ++j)
-    if (!(effort[j] > 0.0)) row[j] = 0.0;
-  const double largest = largestForce(home, effort, home.pose.position, normal);
   const ControlledModes modes = modesOf(renderer);
-  if (modes.data.drive.stiffness > 0.0)
-    loop_ = std::make_unique<LoopOf<4>>(modes, row, largest);
-  else
-    loop_ = std::make_unique<LoopOf<2>>(modes, row, largest);
+  const Kinematics& home = loop.frame().kinematics;
+  const JointVector& effort = mechanism->limits().effort;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 normal = Vec3::Unit(axis);
+    JointVector row = home.jacobian.topRows<3>().transpose() * normal;
+    for (Eigen::Index j = 0; j < row.size(); ++j)
+      if (!(effort[j] > 0.0)) row[j] = 0.0;
+    const double largest = largestForce(home, effort, home.pose.position, normal);
+    const std::vector<double> pushes{0.0, modes.handStep, std::max(modes.handStep, 0.5 * largest)};
+    for (const double push : pushes) contacts_.push_back({normal, push});
+    if (modes.data.drive.stiffness > 0.0)
+      loops_.push_back(std::make_unique<LoopOf<4>>(modes, row, pushes));
+    else
+      loops_.push_back(std::make_unique<LoopOf<2>>(modes, row, pushes));
+  }
 }
 
 LinearLoop::~LinearLoop() = default;
 LinearLoop::LinearLoop(LinearLoop&&) noexcept = default;
 
-const std::vector<double>& LinearLoop::pushes() const noexcept { return loop_->pushes; }
+const Drive& LinearLoop::drive() const noexcept { return loops_.front()->drive(); }
 
-MatrixXd LinearLoop::matrix(const DeviceErrors& errors, std::size_t push) const {
-  require(push < pushes().size(), "stability: there is no push " + std::to_string(push));
-  const auto check = [](const char* name, double value, bool isGood, const char* limit) {
-    require(isGood && std::isfinite(value),
-            std::string("stability: the ") + name + " is " + formatNumber(value) + ", must be " + limit);
-  };
-  check("factor of the mass", errors.mass, errors.mass > 0.0, "positive");
-  check("factor of the cable stiffness", errors.cable, errors.cable > 0.0, "positive");
-  check("delay", loop_->delay + errors.delay, loop_->delay + errors.delay >= 0.0, "zero or positive");
-  return loop_->matrix(errors, push);
+MatrixXd LinearLoop::matrix(const DeviceErrors& errors, std::size_t index) const {
+  constexpr double kLatest = 16.0;  // ticks
+  require(index < contacts_.size(), "stability: there is no contact " + std::to_string(index));
+  for (const double factor : {errors.mass, errors.cable})
+    require(factor > 0.0 && std::isfinite(factor),
+            "stability: the factor of a mass or a cable is " + formatNumber(factor) + ", must be positive");
+  const double late = delay_ + errors.delay;
+  require(late >= 0.0 && late <= kLatest,
+          "stability: the delay is " + formatNumber(late) + " ticks, must be in 0 to " + formatNumber(kLatest));
+  const std::size_t pushes = contacts_.size() / loops_.size();
+  return loops_[index / pushes]->matrix(errors, index % pushes);
 }
 
-double LinearLoop::radius(const DeviceErrors& errors) const {
+double LinearLoop::radius(const DeviceErrors& errors, Touch touch) const {
   double largest = 0.0;
-  for (std::size_t i = 0; i < pushes().size(); ++i) largest = std::max(largest, spectralRadius(matrix(errors, i)));
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if (touch == Touch::any || contacts_[i].push > 0.0) largest = std::max(largest, spectralRadius(matrix(errors, i)));
   return largest;
+}
+
+bool LinearLoop::isStable(const DeviceErrors& errors, Touch touch) const {
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if ((touch == Touch::any || contacts_[i].push > 0.0) && !(spectralRadius(matrix(errors, i)) <= kStableRadius))
+      return false;
+  return true;
+}
+
+StableRange stableRange(const LinearLoop& loop, double DeviceErrors::*error, Touch touch) {
+  constexpr double kMost = 5.0, kFactor = 1.05, kTicks = 0.05, kMostTicks = 2.0;
+  constexpr int kBisections = 10;
+  const bool isDelay = error == &DeviceErrors::delay;
+  const double nominal = DeviceErrors().*error;
+  const auto isStable = [&](double value) {
+    DeviceErrors errors;
+    errors.*error = value;
+    return loop.isStable(errors, touch);
+  };
+  if (!isStable(nominal)) return {nominal, nominal - 1.0};
+  const auto end = [&](bool up) {
+    const double limit = isDelay ? (up ? kMostTicks : -loop.delay()) : (up ? kMost : 1.0 / kMost);
+    double inside = nominal, outside = nominal;
+    do {
+      inside = outside;
+      if (inside == limit) return limit;
+      outside = isDelay ? inside + (up ? kTicks : -kTicks) : inside * (up ? kFactor : 1.0 / kFactor);
+      if (up == (outside > limit)) outside = limit;
+    } while (isStable(outside));
+    for (int i = 0; i < kBisections; ++i) {
+      const double middle = 0.5 * (inside + outside);
+      (isStable(middle) ? inside : outside) = middle;
+    }
+    return inside;
+  };
+  return {end(false), end(true)};
 }
 
 }  // namespace enamel

@@ -1,4 +1,5 @@
-// Stability of position control on a device that differs from its file: the spectral radius of the linear closed loop.
+// Stability of position control on a device that differs from its file: the linear closed loop in steady contact.
+// Assumptions and results: lib/docs/stability.md.
 #pragma once
 
 #include <memory>
@@ -8,39 +9,65 @@
 
 namespace enamel {
 
-/// Largest spectral radius of a loop that counts as stable: an error falls to a third in 50 ticks.
+/// Largest spectral radius of a loop that counts as stable: a deviation falls to a third in 55 ticks.
 inline constexpr double kStableRadius = 0.98;
 
 /// Differences between a device and its file.
 struct DeviceErrors {
-  double mass = 1.0;   ///< mass of the links over the file's, with the rotors if the transmission is rigid
+  double mass = 1.0;   ///< mass of the links over the file's; with the rotors if the transmission is rigid
   double cable = 1.0;  ///< stiffness of the cables over the file's
   double delay = 0.0;  ///< delay of a command minus the assumed one, ticks; may be a part of a tick
 };
 
-/// The linear closed loop of position control, in steady contact of the TCP with a wall at home. lib/docs/stability.md
-/// has the assumptions. Immutable; threads may share it.
+/// Which pushes of the hand a statement covers.
+enum class Touch {
+  any,   ///< from the lightest to half the largest force of the motors
+  firm,  ///< from the hand step F_h
+};
+
+/// A wall and the push that holds the tool on it.
+struct SteadyContact {
+  Vec3 normal;
+  double push;  ///< N; 0: light, up to a tenth of F_h
+};
+
+/// The linear closed loops of position control at home, at walls across x, y and z. Immutable; threads may share it.
 class LinearLoop {
  public:
-  /// The renderer assumes the device of the file, and `delay` ticks of `period` s. `normal` is that of the wall, a unit
-  /// vector. Throws Error as makeMechanism() and PositionControlRenderer. Realtime: no.
-  LinearLoop(const DeviceParameters& device, double period, int delay, const Vec3& normal);
+  /// The renderer assumes the device of the file, and `delay` ticks of `period` s. Throws Error as makeMechanism() and
+  /// PositionControlRenderer, and if the device cannot rest at home. Realtime: no.
+  LinearLoop(const DeviceParameters& device, double period, int delay);
   ~LinearLoop();
   LinearLoop(LinearLoop&&) noexcept;
 
-  /// Return the pushes of radius(), N: none, the hand step, and half the largest force of the motors.
-  const std::vector<double>& pushes() const noexcept;
-  /// Return the closed-loop matrix over one tick under pushes()[push]. It does not contain the motion along the wall.
-  /// Throws Error if an error is not finite, a factor is not positive, or the whole delay is negative. Realtime: no.
-  Eigen::MatrixXd matrix(const DeviceErrors& errors, std::size_t push) const;
-  /// Return its largest spectral radius over all pushes. Throws as matrix(). Realtime: no.
-  double radius(const DeviceErrors& errors) const;
+  int delay() const noexcept { return delay_; }
+  const Drive& drive() const noexcept;  ///< as the renderer assumes it
+  const std::vector<SteadyContact>& contacts() const noexcept { return contacts_; }
+
+  /// Return the closed-loop matrix over one tick at contacts()[index]. It excludes the motion along the wall. Throws
+  /// Error if a factor is not positive and finite, the delay is outside 0 to 16 ticks, or the index is too large.
+  /// Realtime: no.
+  Eigen::MatrixXd matrix(const DeviceErrors& errors, std::size_t index) const;
+  /// Return the largest spectral radius of matrix(). Throws as matrix(). Realtime: no.
+  double radius(const DeviceErrors& errors, Touch touch = Touch::any) const;
+  /// Return whether radius() is at most kStableRadius: faster. Throws as matrix(). Realtime: no.
+  bool isStable(const DeviceErrors& errors, Touch touch = Touch::any) const;
 
  private:
   class Loop;
   template <int>
   class LoopOf;
-  std::unique_ptr<const Loop> loop_;
+  int delay_;
+  std::vector<SteadyContact> contacts_;
+  std::vector<std::unique_ptr<const Loop>> loops_;  // one for each normal
 };
+
+/// The largest interval around the nominal value in which the loop is stable, if the other errors are nominal. Empty
+/// (low > high) if the nominal loop is not stable. The search is within 1/5 to 5 for factors, and up to 2 ticks for a
+/// delay. It scans in steps of 5 % or 0.05 ticks, and refines the ends to 0.1 % of these.
+struct StableRange {
+  double low, high;
+};
+StableRange stableRange(const LinearLoop& loop, double DeviceErrors::*error, Touch touch);
 
 }  // namespace enamel
