@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -193,6 +194,75 @@ class Loop {
   std::optional<HapticTick> tick_;
   std::optional<LoopBody> body_;
 };
+
+const char* const kDevices[] = {"cartesian-3.toml", "cartesian-6.toml", "stylus.toml",
+                                "delta.toml",       "tau-nominal.toml", "tau-detailed.toml"};
+constexpr int kDelays = 4;
+constexpr std::size_t kKinds = std::size(kDevices) * kDelays;  // of devices and assumed delays
+
+struct Kind {
+  DeviceParameters device;
+  LinearLoop loop;
+  explicit Kind(std::size_t number)
+      : device(loadDevice(test::deviceFile(kDevices[number / kDelays]))),
+        loop(device, kPeriod, static_cast<int>(number % kDelays)) {}
+};
+
+// Draw errors evenly from the set in which the linear loop is stable, within a window. Factors are drawn by their
+// logarithms.
+DeviceErrors drawErrors(const LinearLoop& loop, Touch touch, test::Random& random) {
+  const bool hasCables = loop.drive().stiffness > 0.0;
+  for (;;) {
+    DeviceErrors errors;
+    errors.mass = std::exp(random.uniform(std::log(0.35), std::log(2.1)));
+    if (hasCables) errors.cable = std::exp(random.uniform(std::log(0.75), std::log(1.35)));
+    errors.delay = random.uniform(-std::min(1.0, static_cast<double>(loop.delay())), 1.0);
+    if (loop.isStable(errors, touch)) return errors;
+  }
+}
+
+struct Outcome {
+  bool isLost = false;
+  GuardReason reason = GuardReason::none;
+  int lostAt = 0;  // tick
+  double deepest = 0.0, highest = 0.0;  // m, of the gap after the step
+  DeviceErrors errors;
+  int axis = 0;
+  bool turned = false;
+  double force = 0.0;
+};
+
+// A hand touches the wall, pushes and trembles, on a device whose errors are in the set.
+Outcome outcomeOf(const Kind& kind, std::uint64_t number, Touch touch) {
+  constexpr int kTicks = 500, kSettled = 150;
+  test::Random random(number);
+  Setup s;
+  s.device = kind.device;
+  s.delay = kind.loop.delay();
+  s.errors = drawErrors(kind.loop, touch, random);
+  Outcome o;
+  o.errors = s.errors;
+  o.axis = std::min(2, static_cast<int>(random.uniform(0.0, 3.0)));
+  o.turned = random.uniform(0.0, 1.0) < 0.5;
+  s.normal = (o.turned ? -1.0 : 1.0) * Vec3::Unit(o.axis);
+  s.seed = number;
+  Loop loop(s);
+  const Kinematics& home = loop.model().home();
+  const double share =
+      std::min(1.0, 0.3 * largestForce(home, loop.model().limits().effort, home.pose.position, s.normal) / 15.0);
+  const int onset = kSettled + static_cast<int>(random.uniform(0.0, 30.0));
+  o.force = share * random.uniform(2.0, 15.0);
+  for (int i = 0; i < kTicks && !o.isLost; ++i) {
+    const double noise = random.uniform(-1.0, 1.0) * std::sqrt(3.0) * 0.5 * share;
+    o.isLost = !loop.step((i < onset ? share : o.force) + noise);
+    o.lostAt = i;
+    o.reason = loop.reason();
+    if (i < kSettled) continue;
+    o.deepest = std::max(o.deepest, -loop.gap());
+    o.highest = std::max(o.highest, loop.gap());
+  }
+  return o;
+}
 
 }  // namespace
 
