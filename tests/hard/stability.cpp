@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "enamel/control/margins.hpp"
@@ -200,31 +200,40 @@ const char* const kDevices[] = {"cartesian-3.toml", "cartesian-6.toml", "stylus.
 constexpr int kDelays = 4;
 constexpr std::size_t kKinds = std::size(kDevices) * kDelays;  // of devices and assumed delays
 
+// A device file and an assumed delay, with the ranges of single errors at which the loop is stable.
 struct Kind {
   DeviceParameters device;
   LinearLoop loop;
-  explicit Kind(std::size_t number)
+  StableRange mass, cable{1.0, 1.0}, delay;
+  Kind(std::size_t number, Scope scope)
       : device(loadDevice(test::deviceFile(kDevices[number / kDelays]))),
-        loop(device, kPeriod, static_cast<int>(number % kDelays)) {}
+        loop(device, kPeriod, static_cast<int>(number % kDelays)),
+        mass(stableRange(loop, &DeviceErrors::mass, scope)),
+        delay(stableRange(loop, &DeviceErrors::delay, scope)) {
+    if (loop.drive().stiffness > 0.0) cable = stableRange(loop, &DeviceErrors::cable, scope);
+  }
 };
 
-// Draw errors evenly from the set in which the linear loop is stable, within a window. Factors are drawn by their
-// logarithms.
-DeviceErrors drawErrors(const LinearLoop& loop, Touch touch, test::Random& random) {
-  const bool hasCables = loop.drive().stiffness > 0.0;
+// Draw errors evenly from the part of the stable set in a box. The box exceeds the ranges of single errors, because
+// errors may compensate each other.
+DeviceErrors drawErrors(const Kind& kind, Scope scope, test::Random& random) {
+  constexpr double kWider = 1.3;
+  const auto draw = [&](const StableRange& range, double nominal) {
+    return nominal + kWider * (random.uniform(range.low, range.high) - nominal);
+  };
   for (;;) {
     DeviceErrors errors;
-    errors.mass = std::exp(random.uniform(std::log(0.35), std::log(2.1)));
-    if (hasCables) errors.cable = std::exp(random.uniform(std::log(0.75), std::log(1.35)));
-    errors.delay = random.uniform(-std::min(1.0, static_cast<double>(loop.delay())), 1.0);
-    if (loop.isStable(errors, touch)) return errors;
+    errors.mass = draw(kind.mass, 1.0);
+    errors.cable = draw(kind.cable, 1.0);
+    errors.delay = std::max<double>(-kind.loop.delay(), draw(kind.delay, 0.0));
+    if (kind.loop.isStable(errors, scope)) return errors;
   }
 }
 
 struct Outcome {
   bool isLost = false;
   GuardReason reason = GuardReason::none;
-  int lostAt = 0;  // tick
+  int lostAt = 0;                       // tick
   double deepest = 0.0, highest = 0.0;  // m, of the gap after the step
   DeviceErrors errors;
   int axis = 0;
@@ -233,13 +242,13 @@ struct Outcome {
 };
 
 // A hand touches the wall, pushes and trembles, on a device whose errors are in the set.
-Outcome outcomeOf(const Kind& kind, std::uint64_t number, Touch touch) {
+Outcome outcomeOf(const Kind& kind, std::uint64_t number, Scope scope) {
   constexpr int kTicks = 500, kSettled = 150;
   test::Random random(number);
   Setup s;
   s.device = kind.device;
   s.delay = kind.loop.delay();
-  s.errors = drawErrors(kind.loop, touch, random);
+  s.errors = drawErrors(kind, scope, random);
   Outcome o;
   o.errors = s.errors;
   o.axis = std::min(2, static_cast<int>(random.uniform(0.0, 3.0)));
