@@ -360,11 +360,11 @@ TEST_CASE("the linear loop predicts how a small deviation of a simulated loop de
       {"cartesian-6.toml", 0, 2, {1.9, 1.0, 0.0}, 2.0, false, 0.1, false},
       {"cartesian-6.toml", 1, 2, {1.4, 1.0, 0.0}, 2.0, false, 0.1, false},
       {"cartesian-6.toml", 2, 2, {1.4, 1.0, 0.25}, 2.0, false, 0.1, true},
-      {"cartesian-6.toml", 1, 2, {0.6, 1.0, 0.0}, 2.0, false, 0.1, true},
+      {"cartesian-6.toml", 1, 2, {0.65, 1.0, 0.0}, 2.0, false, 0.1, true},
       {"stylus.toml", 1, 0, {1.0, 1.0, 0.3}, 0.66, false, 0.01, false},
       {"tau-nominal.toml", 0, 1, {1.7, 1.0, 0.0}, 8.0, true, 0.3, false},
       {"tau-nominal.toml", 1, 2, {1.4, 1.0, 0.0}, 8.0, true, 0.3, false},
-      {"tau-nominal.toml", 1, 0, {1.0, 1.0, 0.75}, 8.0, true, 0.3, true},
+      {"tau-nominal.toml", 1, 0, {0.68, 1.0, 0.0}, 8.0, true, 0.3, true},
       {"tau-detailed.toml", 0, 2, {1.0, 0.95, 0.0}, 1.0, false, 0.3, false},
       {"delta.toml", 1, 2, {0.9, 1.0, 0.0}, 4.07, true, 0.05, false},
   };
@@ -391,22 +391,21 @@ TEST_CASE("the linear loop predicts how a small deviation of a simulated loop de
     most = std::max(most, predicted);
   }
   CHECK(least < 0.9);
-  CHECK(most > 1.1);
+  CHECK(most > 1.03);
 }
 
-TEST_CASE("every nominal loop is stable, and the ends of its ranges are where it stops to be", "[hard]") {
+TEST_CASE("every nominal loop is stable, and the end of a range is where it stops to be", "[hard]") {
   for (std::size_t i = 0; i < kKinds; ++i) {
-    const Kind kind(i, Scope::quiet);
-    INFO(kDevices[i / kDelays] << ", delay " << kind.loop.delay());
-    CHECK(kind.loop.radius({}, Scope::all) < kStableRadius);
-    CHECK(kind.loop.radius({}, Scope::quiet) <= kind.loop.radius({}, Scope::all));
-    CHECK(kind.mass.low < 1.0);
-    CHECK(kind.mass.high > 1.0);
-    DeviceErrors inside, outside;
-    inside.mass = kind.mass.high;
-    outside.mass = 1.01 * kind.mass.high;
-    CHECK(kind.loop.isStable(inside, Scope::quiet));
-    CHECK_FALSE(kind.loop.isStable(outside, Scope::quiet));
+    const LinearLoop loop(loadDevice(test::deviceFile(kDevices[i / kDelays])), kPeriod, static_cast<int>(i % kDelays));
+    INFO(kDevices[i / kDelays] << ", delay " << loop.delay());
+    const double quiet = loop.radius({}, Scope::quiet), all = loop.radius({}, Scope::all);
+    CHECK(quiet <= all);
+    CHECK(all < kStableRadius);
+    if (loop.drive().stiffness > 0.0) continue;
+    const StableRange range = stableRange(loop, &DeviceErrors::mass, Scope::quiet);
+    CHECK(range.low < 0.95);
+    CHECK(loop.radius({range.high, 1.0, 0.0}, Scope::quiet) == Approx(kStableRadius).margin(1e-3));
+    CHECK(loop.radius({range.low, 1.0, 0.0}, Scope::quiet) == Approx(kStableRadius).margin(1e-3));
   }
 }
 
@@ -419,13 +418,22 @@ TEST_CASE("an impossible error has no linear loop", "[hard]") {
   CHECK_THROWS_WITH(loop.matrix({}, 18), "stability: there is no case 18");
 }
 
-TEST_CASE("outside of the stable set a loop is lost", "[hard]") {
-  Setup s;
-  s.device = loadDevice(test::deviceFile("tau-nominal.toml"));
-  s.delay = 1;
-  s.errors.delay = 0.75;
-  CHECK(LinearLoop(s.device, kPeriod, 1).radius(s.errors, Scope::quiet) > 1.1);
-  for (std::uint64_t number = 1; number <= 3; ++number) CHECK(outcomeOf(s, number).isLost);
+TEST_CASE("far outside of the stable set loops are lost", "[hard]") {
+  struct Row {
+    const char* device;
+    int delay;
+    DeviceErrors errors;
+  };
+  for (const Row& row : {Row{"tau-nominal.toml", 1, {1.0, 1.0, -1.0}}, Row{"tau-nominal.toml", 2, {1.0, 1.0, -1.0}},
+                         Row{"tau-detailed.toml", 0, {1.0, 0.7, 0.0}}, Row{"delta.toml", 1, {1.0, 0.7, 0.0}}}) {
+    Setup s;
+    s.device = loadDevice(test::deviceFile(row.device));
+    s.delay = row.delay;
+    s.errors = row.errors;
+    INFO(row.device << ", delay " << row.delay);
+    CHECK(LinearLoop(s.device, kPeriod, row.delay).radius(s.errors, Scope::quiet) > 1.15);
+    CHECK(outcomeOf(s, 1).isLost);
+  }
 }
 
 TEST_CASE("random loops with errors in the stable set", "[hard]") {
@@ -434,6 +442,8 @@ TEST_CASE("random loops with errors in the stable set", "[hard]") {
   for (const Scope scope : {Scope::all, Scope::quiet}) {
     if (scope == Scope::quiet && !isLong) continue;
     const std::vector<Outcome> outcomes = randomLoops(scope, count, isLong, availableThreads());
+    for (std::size_t i = 0; i < 8; ++i)  // the same bits on this thread
+      CHECK(outcomeOf(outcomes[i].setup, test::seed() * 1000000 + i).deepest == outcomes[i].deepest);
     int lost = 0, byJumps = 0, byEncoders = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const Outcome& o = outcomes[i];
@@ -457,15 +467,6 @@ TEST_CASE("random loops with errors in the stable set", "[hard]") {
     std::cout << (scope == Scope::all ? "stable with and without jumps: " : "stable without jumps: ") << count
               << " loops, " << lost << " lost, " << byJumps << " of them unstable with jumps, " << byEncoders
               << " not lost with fine encoders\n";
-  }
-}
-
-TEST_CASE("random loops do not depend on the threads", "[hard]") {
-  const auto alone = randomLoops(Scope::all, 16, false, 1), together = randomLoops(Scope::all, 16, false, 3);
-  for (std::size_t i = 0; i < alone.size(); ++i) {
-    CHECK(alone[i].deepest == together[i].deepest);
-    CHECK(alone[i].highest == together[i].highest);
-    CHECK(alone[i].isLost == together[i].isLost);
   }
 }
 
