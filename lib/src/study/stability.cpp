@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "core/message.hpp"
@@ -23,7 +24,7 @@ using Eigen::VectorXd;
 class LinearLoop::Loop {
  public:
   virtual ~Loop() = default;
-  virtual MatrixXd matrix(const DeviceErrors& errors, std::size_t push) const = 0;
+  virtual MatrixXd matrix(const DeviceErrors& errors, std::size_t index) const = 0;
   virtual const Drive& drive() const noexcept = 0;
 };
 
@@ -32,8 +33,8 @@ class LinearLoop::Loop {
 template <int kMech>
 class LinearLoop::LoopOf final : public LinearLoop::Loop {
  public:
-  LoopOf(const ControlledModes& modes, const JointVector& normal, const std::vector<double>& pushes);
-  MatrixXd matrix(const DeviceErrors& errors, std::size_t push) const override;
+  LoopOf(const ControlledModes& modes, const JointVector& normal, const std::vector<LinearCase>& cases);
+  MatrixXd matrix(const DeviceErrors& errors, std::size_t index) const override;
   const Drive& drive() const noexcept override { return data_.drive; }
 
  private:
@@ -46,10 +47,11 @@ class LinearLoop::LoopOf final : public LinearLoop::Loop {
     double inertia;  // of the link
     Matrix<kSeen> state;
     Matrix<kSeen, 1> command, wouldBe;
-    std::vector<Matrix<kSeen, 1>> gain;  // of a reading, under each push
+    std::vector<Matrix<kSeen, 1>> gain;  // of a reading, in each case
   };
 
-  typename Observer::State atRest(const ControlledModes& m, Observer observer, const Lane& row, double force) const;
+  typename Observer::State atRest(const ControlledModes& m, Observer observer, const Lane& row,
+                                  const LinearCase& c) const;
   std::vector<Mode> modesOf(const ControlledModes& m, Observer& observer, const Lane& row);
   MatrixXd alongWall(Eigen::Index size) const;
 
@@ -61,7 +63,7 @@ class LinearLoop::LoopOf final : public LinearLoop::Loop {
 
 template <int kMech>
 LinearLoop::LoopOf<kMech>::LoopOf(const ControlledModes& m, const JointVector& normal,
-                                  const std::vector<double>& pushes)
+                                  const std::vector<LinearCase>& cases)
     : data_(m.data) {
   constexpr double kMoves = 1e-9;  // share of the motion of a mode that rounding explains
   Lane row{};
@@ -73,7 +75,7 @@ LinearLoop::LoopOf<kMech>::LoopOf(const ControlledModes& m, const JointVector& n
   Observer observer(m.data);
   read_ = observer.readState();
   std::vector<typename Observer::State> rest;
-  for (const double push : pushes) rest.push_back(atRest(m, observer, row, push));
+  for (const LinearCase& c : cases) rest.push_back(atRest(m, observer, row, c));
   observer.reload(rest.front());
   std::vector<Mode> all = modesOf(m, observer, row);
   for (typename Observer::State& s : rest) {
@@ -96,7 +98,7 @@ template <int kMech>
 typename LinearLoop::LoopOf<kMech>::Observer::State LinearLoop::LoopOf<kMech>::atRest(const ControlledModes& m,
                                                                                       Observer observer,
                                                                                       const Lane& row,
-                                                                                      double force) const {
+                                                                                      const LinearCase& c) const {
   constexpr int kMostTicks = 20000;
   constexpr double kSteady = 1e-10;
   typename Observer::State s{}, before{};
@@ -105,14 +107,22 @@ typename LinearLoop::LoopOf<kMech>::Observer::State LinearLoop::LoopOf<kMech>::a
   observer.start(s, m.count, Lane{});
   Lane command{};
   for (int k = 0; k < m.count; ++k) {
-    command[k] = s.part[0].x[Observer::kLag][k] = row[k] * force;
+    command[k] = s.part[0].x[Observer::kLag][k] = row[k] * c.push;
     s.part[0].x[Observer::kPush][k] = -command[k];
     if (kMech == 4) s.part[0].x[0][k] = command[k] / data_.drive.stiffness;
   }
   std::memcpy(s.mean, s.part[0].x, sizeof s.mean);
   for (int tick = 0;; ++tick) {
     observer.predict(s, command);
-    s.count = s.weight[0] = 1.0;  // the hypothesis without a jump
+    if (c.jumps) {  // all weight goes to the new hypotheses, as if they were old enough to be merged
+      s.weight[0] = std::numeric_limits<double>::min();
+      for (int b = 1; b <= kBins; ++b) {
+        s.weight[b] = 1.0 / kBins;
+        s.age[b] = 1.0;
+      }
+      observer.merge(s);
+    }
+    s.count = s.weight[0] = 1.0;
     bool isSteady = true;
     for (int i = 0; i < Observer::kScale; ++i)
       for (int k = 0; k < m.count; ++k) {
@@ -185,7 +195,7 @@ MatrixXd LinearLoop::LoopOf<kMech>::alongWall(Eigen::Index size) const {
 }
 
 template <int kMech>
-MatrixXd LinearLoop::LoopOf<kMech>::matrix(const DeviceErrors& errors, std::size_t push) const {
+MatrixXd LinearLoop::LoopOf<kMech>::matrix(const DeviceErrors& errors, std::size_t index) const {
   const double late = data_.delay + errors.delay, T = data_.period;
   const int whole = static_cast<int>(std::floor(late)), assumed = data_.delay;
   const double part = late - whole;
@@ -205,7 +215,7 @@ MatrixXd LinearLoop::LoopOf<kMech>::matrix(const DeviceErrors& errors, std::size
     x += mode.row * mode.command * sent(assumed + 1);
     Eigen::RowVectorXd innovation = -x.row(read_);
     innovation[k * kPlant + read_] += 1.0;
-    x += mode.gain[push] * innovation;
+    x += mode.gain[index] * innovation;
     next.middleRows(seenAt + k * kSeen, kSeen) = x;
     for (int d = assumed; d > 0; --d) x = (mode.state * x + mode.row * mode.command * sent(d)).eval();
     force -= mode.row / compliance_ * mode.wouldBe.transpose() * x;
@@ -253,13 +263,16 @@ LinearLoop::LinearLoop(const DeviceParameters& device, double period, int delay)
     JointVector row = home.jacobian.topRows<3>().transpose() * normal;
     for (Eigen::Index j = 0; j < row.size(); ++j)
       if (!(effort[j] > 0.0)) row[j] = 0.0;
-    const double largest = largestForce(home, effort, home.pose.position, normal);
-    const std::vector<double> pushes{0.0, modes.handStep, std::max(modes.handStep, 0.5 * largest)};
-    for (const double push : pushes) contacts_.push_back({normal, push});
+    const double half = 0.5 * largestForce(home, effort, home.pose.position, normal);
+    std::vector<LinearCase> cases;
+    for (const bool jumps : {true, false})
+      for (const double push : {0.0, modes.handStep, std::max(modes.handStep, half)})
+        cases.push_back({normal, push, jumps});
+    cases_.insert(cases_.end(), cases.begin(), cases.end());
     if (modes.data.drive.stiffness > 0.0)
-      loops_.push_back(std::make_unique<LoopOf<4>>(modes, row, pushes));
+      loops_.push_back(std::make_unique<LoopOf<4>>(modes, row, cases));
     else
-      loops_.push_back(std::make_unique<LoopOf<2>>(modes, row, pushes));
+      loops_.push_back(std::make_unique<LoopOf<2>>(modes, row, cases));
   }
 }
 
@@ -270,32 +283,32 @@ const Drive& LinearLoop::drive() const noexcept { return loops_.front()->drive()
 
 MatrixXd LinearLoop::matrix(const DeviceErrors& errors, std::size_t index) const {
   constexpr double kLatest = 16.0;  // ticks
-  require(index < contacts_.size(), "stability: there is no contact " + std::to_string(index));
+  require(index < cases_.size(), "stability: there is no case " + std::to_string(index));
   for (const double factor : {errors.mass, errors.cable})
     require(factor > 0.0 && std::isfinite(factor),
             "stability: the factor of a mass or a cable is " + formatNumber(factor) + ", must be positive");
   const double late = delay_ + errors.delay;
   require(late >= 0.0 && late <= kLatest,
           "stability: the delay is " + formatNumber(late) + " ticks, must be in 0 to " + formatNumber(kLatest));
-  const std::size_t pushes = contacts_.size() / loops_.size();
-  return loops_[index / pushes]->matrix(errors, index % pushes);
+  const std::size_t each = cases_.size() / loops_.size();
+  return loops_[index / each]->matrix(errors, index % each);
 }
 
-double LinearLoop::radius(const DeviceErrors& errors, Touch touch) const {
+double LinearLoop::radius(const DeviceErrors& errors, Scope scope) const {
   double largest = 0.0;
-  for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (touch == Touch::any || contacts_[i].push > 0.0) largest = std::max(largest, spectralRadius(matrix(errors, i)));
+  for (std::size_t i = 0; i < cases_.size(); ++i)
+    if (scope == Scope::all || !cases_[i].jumps) largest = std::max(largest, spectralRadius(matrix(errors, i)));
   return largest;
 }
 
-bool LinearLoop::isStable(const DeviceErrors& errors, Touch touch) const {
-  for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if ((touch == Touch::any || contacts_[i].push > 0.0) && !(spectralRadius(matrix(errors, i)) <= kStableRadius))
+bool LinearLoop::isStable(const DeviceErrors& errors, Scope scope) const {
+  for (std::size_t i = 0; i < cases_.size(); ++i)
+    if ((scope == Scope::all || !cases_[i].jumps) && !(spectralRadius(matrix(errors, i)) <= kStableRadius))
       return false;
   return true;
 }
 
-StableRange stableRange(const LinearLoop& loop, double DeviceErrors::*error, Touch touch) {
+StableRange stableRange(const LinearLoop& loop, double DeviceErrors::*error, Scope scope) {
   constexpr double kMost = 5.0, kFactor = 1.05, kTicks = 0.05, kMostTicks = 2.0;
   constexpr int kBisections = 10;
   const bool isDelay = error == &DeviceErrors::delay;
@@ -303,7 +316,7 @@ StableRange stableRange(const LinearLoop& loop, double DeviceErrors::*error, Tou
   const auto isStable = [&](double value) {
     DeviceErrors errors;
     errors.*error = value;
-    return loop.isStable(errors, touch);
+    return loop.isStable(errors, scope);
   };
   if (!isStable(nominal)) return {nominal, nominal - 1.0};
   const auto end = [&](bool up) {

@@ -19,19 +19,22 @@ struct DeviceErrors {
   double delay = 0.0;  ///< delay of a command minus the assumed one, ticks; may be a part of a tick
 };
 
-/// Which pushes of the hand a statement covers.
-enum class Touch {
-  any,   ///< from the lightest to half the largest force of the motors
-  firm,  ///< from the hand step F_h
+/// Which behaviours of the observer a statement covers.
+enum class Scope {
+  quiet,  ///< no jump of the push: the behaviour under a steady hand
+  all,    ///< and a jump in every tick: the behaviour when readings contradict the prediction
 };
 
-/// A wall and the push that holds the tool on it.
-struct SteadyContact {
+/// A state of the loop at which it is linear: a wall, a push that holds the tool on it, and a behaviour of the
+/// observer.
+struct LinearCase {
   Vec3 normal;
-  double push;  ///< N; 0: light, up to a tenth of F_h
+  double push;  ///< N; 0: light, up to a tenth of the hand step F_h
+  bool jumps;   ///< the observer assumes that the push jumps in every tick
 };
 
-/// The linear closed loops of position control at home, at walls across x, y and z. Immutable; threads may share it.
+/// The linear closed loops of position control at home, at walls across x, y and z, under three pushes: light, the hand
+/// step F_h, and half of the motors' largest force (at least F_h). Immutable; threads may share it.
 class LinearLoop {
  public:
   /// The renderer assumes the device of the file, and `delay` ticks of `period` s. Throws Error as makeMechanism() and
@@ -42,23 +45,23 @@ class LinearLoop {
 
   int delay() const noexcept { return delay_; }
   const Drive& drive() const noexcept;  ///< as the renderer assumes it
-  const std::vector<SteadyContact>& contacts() const noexcept { return contacts_; }
+  const std::vector<LinearCase>& cases() const noexcept { return cases_; }
 
-  /// Return the closed-loop matrix over one tick at contacts()[index]. It excludes the motion along the wall. Throws
+  /// Return the closed-loop matrix over one tick in cases()[index]. It excludes the motion along the wall. Throws
   /// Error if a factor is not positive and finite, the delay is outside 0 to 16 ticks, or the index is too large.
   /// Realtime: no.
   Eigen::MatrixXd matrix(const DeviceErrors& errors, std::size_t index) const;
   /// Return the largest spectral radius of matrix(). Throws as matrix(). Realtime: no.
-  double radius(const DeviceErrors& errors, Touch touch = Touch::any) const;
+  double radius(const DeviceErrors& errors, Scope scope) const;
   /// Return whether radius() is at most kStableRadius: faster. Throws as matrix(). Realtime: no.
-  bool isStable(const DeviceErrors& errors, Touch touch = Touch::any) const;
+  bool isStable(const DeviceErrors& errors, Scope scope) const;
 
  private:
   class Loop;
   template <int>
   class LoopOf;
   int delay_;
-  std::vector<SteadyContact> contacts_;
+  std::vector<LinearCase> cases_;
   std::vector<std::unique_ptr<const Loop>> loops_;  // one for each normal
 };
 
@@ -68,6 +71,6 @@ class LinearLoop {
 struct StableRange {
   double low, high;
 };
-StableRange stableRange(const LinearLoop& loop, double DeviceErrors::*error, Touch touch);
+StableRange stableRange(const LinearLoop& loop, double DeviceErrors::*error, Scope scope);
 
 }  // namespace enamel
