@@ -41,7 +41,7 @@ class LinearLoop::LoopOf final : public LinearLoop::Loop {
   using Observer = PushObserver<kMech>;
   static constexpr int kPlant = kMech + 1, kSeen = kMech + 3, kLink = kMech - 2;
 
-  // What the observer computes, as matrices. One for each mode that the normal's motion contains.
+  // The computation of the observer, as matrices. One for each mode that the normal's motion contains.
   struct Mode {
     double row;      // of the normal
     double inertia;  // of the link
@@ -283,7 +283,7 @@ const Drive& LinearLoop::drive() const noexcept { return loops_.front()->drive()
 
 MatrixXd LinearLoop::matrix(const DeviceErrors& errors, std::size_t index) const {
   constexpr double kLatest = 16.0;  // ticks
-  require(index < cases_.size(), "stability: there is no case " + std::to_string(index));
+  require(index < cases_.size(), "stability: the number of cases is at most " + std::to_string(index));
   for (const double factor : {errors.mass, errors.cable})
     require(factor > 0.0 && std::isfinite(factor),
             "stability: the factor of a mass or a cable is " + formatNumber(factor) + ", must be positive");
