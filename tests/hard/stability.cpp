@@ -462,7 +462,7 @@ TEST_CASE("random loops with errors in the stable set", "[hard]") {
         continue;
       }
       // Explanation 2: a limit cycle, which the linear loop does not have. It feeds energy to the tool, and the guard
-      // stops it. Without this stop the cycle is bounded. Finer encoders are no control: they change the observer's
+      // stops it. Without this stop the cycle is bounded. Finer encoders cannot test this: they change the observer's
       // gains, and so the loop.
       const std::uint64_t number = test::seed() * 1000000 + i;
       INFO("ENAMEL_SEED=" << test::seed() << ", loop " << i << ": " << textOf(o));
