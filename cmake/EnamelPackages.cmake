@@ -4,8 +4,8 @@
 # - enamel-viewer: the viewer;
 # - enamel-doc: pages and examples;
 # - enamel-data: devices, scenes, meshes and servos.
-# The libraries are static: a program keeps the version with which it was tested. The only binary interface is that of
-# plugins (enamel/plugin/abi.h).
+# The C++ libraries are static: a program keeps the version with which it was tested. The binary interfaces are those of
+# plugins (enamel/plugin/abi.h) and of hosts (enamel/c/enamel.h, libenamel.so).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME enamel)
 set(CPACK_PACKAGE_CONTACT "The authors of Enamel")
@@ -64,5 +64,5 @@ Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ @libraries@ @flags@
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/enamel-${component}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endfunction()
 enamel_pkg_config(core "control;device;core" "eigen3" "")
-enamel_pkg_config(collision "runtime;renderers;plugin;sim;render;collision" "enamel-core" "-pthread -ldl")
+enamel_pkg_config(collision "session;runtime;renderers;plugin;sim;render;collision" "enamel-core" "-pthread -ldl")
 enamel_pkg_config(study "study" "enamel-collision, tbb" "")

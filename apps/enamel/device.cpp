@@ -2,32 +2,24 @@
 #include <signal.h>  // sigaction is not in <csignal>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
-#include <atomic>
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
-#include <map>
 #include <memory>
-#include <optional>
 #include <thread>
 
 #include "commands.hpp"
-#include "enamel/collision/scene_file.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/plugin/renderer_source.hpp"
-#include "enamel/runtime/haptic_loop.hpp"
-#include "enamel/runtime/recorder.hpp"
 #include "enamel/runtime/udp_device.hpp"
+#include "enamel/session/session.hpp"
 #include "enamel/sim/hand.hpp"
-#include "enamel/sim/simulated_device.hpp"
 #include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
-#include "program/recorded.hpp"
 
 namespace enamel::app {
 namespace {
@@ -120,30 +112,26 @@ void serve(const DeviceOptions& options, const Mechanism& mechanism) {
   print(server.counts(), "measurement to command");
 }
 
-// Records the ticks and counts them by the guard's reason, for another thread.
-class Tally final : public TickSink {
+// Counts ticks by the guard's reason.
+class Tally {
  public:
-  std::optional<Recorder> recorder;
-
-  void tick(const LoopTick& t, const HapticTick& haptics) noexcept override {
-    if (recorder) recorder->tick(t, haptics);
-    reasons_[static_cast<std::size_t>(t.reason)].fetch_add(1, std::memory_order_relaxed);
-    if (t.reason == GuardReason::none && t.normalForce > force_) force_ = t.normalForce;
-    if (t.mode == RenderMode::contact) contact_.fetch_add(1, std::memory_order_relaxed);
+  void count(const TickFrame& frame) noexcept {
+    ++reasons_[static_cast<std::size_t>(frame.reason)];
+    if (frame.reason == GuardReason::none) force_ = std::max(force_, frame.output.normalForce);
+    if (frame.output.mode == RenderMode::contact) ++contact_;
   }
 
   void print() const {
-    fmt::print("ticks in contact {}, largest force {:.2f} N; ticks by reason of the guard:", contact_.load(),
-               force_.load());
+    fmt::print("ticks in contact {}, largest force {:.2f} N; ticks by reason of the guard:", contact_, force_);
     for (std::size_t i = 0; i < reasons_.size(); ++i)
-      if (reasons_[i] > 0) fmt::print(" {} {},", toString(static_cast<GuardReason>(i)), reasons_[i].load());
+      if (reasons_[i] > 0) fmt::print(" {} {},", toString(static_cast<GuardReason>(i)), reasons_[i]);
     fmt::print("\n");
   }
 
  private:
-  std::array<std::atomic<std::uint64_t>, kGuardReasons> reasons_{};
-  std::atomic<std::uint64_t> contact_{0};
-  std::atomic<double> force_{0.0};
+  std::array<std::uint64_t, kGuardReasons> reasons_{};
+  std::uint64_t contact_ = 0;
+  double force_ = 0.0;
 };
 
 // Wait for the first measurement, so that no recording starts without a server.
@@ -157,7 +145,7 @@ void awaitServer(UdpDevice& device, const std::string& where) {
   }
 }
 
-void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism>& mechanism) {
+void connect(const DeviceOptions& options) {
   const std::size_t colon = options.connect.rfind(':');
   const std::string host = options.connect.substr(0, colon);
   std::uint16_t port = kDevicePort;
@@ -167,71 +155,59 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
     if (error != std::errc{} || rest != end || port == 0)
       throw Error("--connect is \"" + options.connect + "\", must be HOST or HOST:PORT with a port in 1 to 65535");
   }
-  LinkOptions link = options.server.link;
-  link.joints = mechanism->joints();
-  UdpDevice device(host, port, link);
+  if (!options.record.empty() && options.device.empty())
+    throw Error("--record needs --device: the recording contains the device file");
 
-  RecordingHeader header;
-  if (!options.record.empty()) {
-    if (options.device.empty()) throw Error("--record needs --device: the recording contains the device file");
-    header.deviceFile = std::filesystem::absolute(options.device).string();
-    header.deviceText = readFile(options.device);
-  }
-  Scene scene = flatWall();
-  Tool tool;
-  const double period = 1.0 / options.rate_Hz;
-  GuardOptions guard = guardFor(*mechanism, period);
-  guard.force = options.force;
-  if (!options.scene.empty()) {
-    SceneFile file = loadScene(options.scene);
-    for (const std::string& note : file.notes) fmt::print(stderr, "{}\n", note);
-    scene = std::move(file.scene);
-    tool = file.tool;
-    guard.force = std::min(guard.force, file.maxForce);
-    header.sceneFile = std::filesystem::absolute(options.scene).string();
-    if (!options.record.empty()) header.sceneText = readFile(options.scene);
-  }
-  const RendererSource source = findRenderer(options.renderer, pluginFolder());
-  std::map<std::string, std::string> values;
+  SessionDef def;
+  def.device = options.device;
+  def.scene = options.scene;
+  def.renderer = options.renderer;
+  def.pluginFolder = pluginFolder();
   // A command over UDP acts one or two ticks after its measurement.
-  if (!source.plugin && source.name == kPositionControl) values = {{"delay", "1"}, {"delay-high", "2"}};
-  const std::unique_ptr<Renderer> renderer =
-      source.plugin ? makeRenderer(source.plugin, {options.device, "", options.scene, "", values})
-                    : makeLinked(source.name, values, mechanism, period);
-  HapticTick haptics(*mechanism, scene, tool, *renderer, guard);
-  awaitServer(device, options.connect);
+  if (const RendererSource source = findRenderer(options.renderer, def.pluginFolder);
+      !source.plugin && source.name == kPositionControl)
+    def.parameters = {{"delay", "1"}, {"delay-high", "2"}};
+  def.rate = options.rate_Hz;
+  def.poll = std::max(1e-4, 0.25 / options.rate_Hz);  // faster than the server, which has its own clock
+  def.maxForce = options.force;
   Tally tally;
+  bool hasTicked = false;
+  def.beforeTick = [&](TickAccess& access) {
+    if (hasTicked) tally.count(access.frame());
+    hasTicked = true;
+  };
+  Session session(def);
+  for (const std::string& note : session.notes()) fmt::print(stderr, "{}\n", note);
+  if (options.scene.empty()) (void)session.add({flatWall().obstacles()[0]});
+  LinkOptions link = options.server.link;
+  link.joints = session.mechanism().joints();
+  UdpDevice device(host, port, link);
+  awaitServer(device, options.connect);
   if (!options.record.empty()) {
-    nameRenderer(source.name, source.plugin ? source.plugin->path() : "", values, scene, header);
     removeOld(options.record, options.overwrite);
-    tally.recorder.emplace(options.record, header, haptics);
+    session.record(options.record);
   }
-  HapticLoopOptions how;
-  how.period = std::max(1e-4, period / 4.0);  // poll faster than the server, which has its own clock
-  how.sink = &tally;
-  GuardReason fault = GuardReason::none;
-  {
-    const Wait wait;
-    HapticLoop loop(device, haptics, how);
-    fmt::print("{} at {}: {}, memory {}\n", mechanism->name(), options.connect, options.renderer,
-               loop.memoryLocked() ? "locked" : "not locked: the system refused");
-    std::fflush(stdout);
-    wait(options.duration == 0.0 ? 10.0 : options.duration);
-    while (loop.refresh()) fault = isFault(loop.latest().reason) ? loop.latest().reason : GuardReason::none;
-    loop.stop();
-    while (!loop.stopped()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    print(loop.timing());
-    print("age of the command", loop.age());
-    fmt::print("periods without a new measurement {}, commands not sent {}\n", loop.held(), loop.unsent());
-  }
+  const Wait wait;
+  session.start(device);
+  const HapticLoop& loop = *session.loop();
+  fmt::print("{} at {}: {}, memory {}\n", session.mechanism().name(), options.connect, options.renderer,
+             loop.memoryLocked() ? "locked" : "not locked: the system refused");
+  std::fflush(stdout);
+  wait(options.duration == 0.0 ? 10.0 : options.duration);
+  const GuardReason fault = session.snapshot().fault;
+  print(loop.timing());
+  print("age of the command", loop.age());
+  fmt::print("periods without a new measurement {}, commands not sent {}\n", loop.held(), loop.unsent());
+  session.stop();
   print(device.counts(), "command to measurement");
-  if (tally.recorder) {
-    const RecordingResult recorded = tally.recorder->close();
+  if (!options.record.empty()) {
+    const RecordingResult recorded = session.stopRecording();
     if (!recorded.problem.empty()) throw Error(fmt::format("{} ({} ticks are lost)", recorded.problem, recorded.lost));
     fmt::print("recording: {}, {} ticks, {} lost\n", options.record, recorded.ticks, recorded.lost);
   }
+  tally.count(session.haptics().frame());
   tally.print();
-  if (const Guard& seen = haptics.guard(); seen.ignoredReports() > 0)
+  if (const Guard& seen = session.haptics().guard(); seen.ignoredReports() > 0)
     fmt::print("reports of the torque that acted: {} ignored; those of joint {} do not follow the commands\n",
                seen.ignoredReports(), seen.ignoredJoint());
   if (fault != GuardReason::none) throw Error(std::string("stopped by the guard: ") + toString(fault));
@@ -240,12 +216,9 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
 void run(DeviceOptions options) {
   if (options.serve == !options.connect.empty()) throw Error("give either --serve or --connect HOST:PORT");
   if (!options.key.empty()) options.server.link.key = readKey(options.key);
-  const auto mechanism =
-      makeMechanism(options.device.empty() ? DeviceParameters(nominalDevice()) : loadDevice(options.device));
-  if (options.serve)
-    serve(options, *mechanism);
-  else
-    connect(options, mechanism);
+  if (!options.serve) return connect(options);
+  serve(options,
+        *makeMechanism(options.device.empty() ? DeviceParameters(nominalDevice()) : loadDevice(options.device)));
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <filesystem>
-
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
@@ -11,26 +9,6 @@
 #include "program/plugin_folder.hpp"
 
 namespace enamel::app {
-namespace {
-
-// Return the checksum of the files that a header names by path: meshes, and the servo file.
-std::uint32_t filesChecksum(const std::map<std::string, std::string>& parameters, const Scene& scene) {
-  const std::uint32_t meshes = meshChecksum(scene);
-  const auto gain = parameters.find("gain");
-  if (gain == parameters.end() || gain->second == "designed") return meshes;
-  return crc32(readFile(gain->second), meshes);
-}
-
-}  // namespace
-
-void nameRenderer(const std::string& renderer, const std::string& plugin,
-                  const std::map<std::string, std::string>& parameters, const Scene& scene, RecordingHeader& header) {
-  header.renderer = renderer;
-  header.plugin = plugin.empty() ? "" : std::filesystem::absolute(plugin).string();
-  header.parameters = parameters;
-  header.files = filesChecksum(parameters, scene);
-}
-
 std::shared_ptr<const Mechanism> recordedDevice(const RecordingHeader& header) {
   return makeMechanism(parseDevice(header.deviceText, header.deviceFile));
 }
@@ -40,10 +18,6 @@ SceneFile recordedScene(const RecordingHeader& header) {
   SceneFile scene;
   scene.scene = flatWall();
   return scene;
-}
-
-bool filesHaveChanged(const RecordingHeader& header, const Scene& scene) {
-  return filesChecksum(header.parameters, scene) != header.files;
 }
 
 std::unique_ptr<Renderer> recordedRenderer(const RecordingHeader& header,

@@ -9,17 +9,9 @@
 
 namespace enamel::app {
 
-/// Add a renderer (`plugin`: its file, or empty) and the checksum of the files that the header only names.
-void nameRenderer(const std::string& renderer, const std::string& plugin,
-                  const std::map<std::string, std::string>& parameters, const Scene& scene, RecordingHeader& header);
-
 /// Return the device of a recording, or its scene. Throws Error: as parseDevice() and parseScene().
 std::shared_ptr<const Mechanism> recordedDevice(const RecordingHeader& header);
 SceneFile recordedScene(const RecordingHeader& header);
-
-/// Return whether a file that the header names (a mesh, a servo file) has changed. Throws Error: the servo file cannot
-/// be read.
-bool filesHaveChanged(const RecordingHeader& header, const Scene& scene);
 
 /// Return a renderer for a recording of that device: the recorded one, or another one by name or path. Its parameters
 /// are the recorded ones that it knows, and `set`. Prints a warning on stderr if a file that the header names has

@@ -114,7 +114,7 @@ void Player::makeIndex() {
   if (damaged > 0) notes_.push_back(counted(damaged, "chunk") + " cannot be read: " + damage);
   if (unfit > 0) notes_.push_back(counted(unfit, "tick") + " with values that are not finite");
   try {
-    if (app::filesHaveChanged(header(), scene_.scene))
+    if (filesHaveChanged(header(), scene_.scene))
       notes_.push_back("a mesh or the servo file has changed since the recording");
   } catch (const Error& error) {
     notes_.push_back(error.what());  // about the servo, which is not needed for drawing

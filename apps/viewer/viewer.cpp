@@ -69,7 +69,7 @@ RecordingHeader headerOf(const ServoedDevice& device, const std::string& scenePa
   header.sceneText = readFile(header.sceneFile);
   header.start = start;
   const bool isPlugin = device.plugin && slotOf(*device.plugin) == slot;
-  app::nameRenderer(rendererNames(device.plugin.get())[indexOf(slot)], isPlugin ? device.plugin->path() : "",
+  nameRenderer(rendererNames(device.plugin.get())[indexOf(slot)], isPlugin ? device.plugin->path() : "",
                     isPlugin || slot != RendererSlot::positionControl
                         ? std::map<std::string, std::string>{}
                         : std::map<std::string, std::string>{{"drive", drivesOf(kClosedForm)}},

@@ -583,7 +583,7 @@ TEST_CASE("obstacles follow their objects, as the tool sees them", "[chai3d]") {
     bench.tick();
   }
   CHECK((obstacle.pose.position - Vec3(0.0, 0.0, -0.0098)).norm() < 1e-16);
-  const Obstacle& seen = bench.tool.haptics()->obstacles().scene().obstacles()[0];
+  const Obstacle& seen = bench.tool.haptics()->scene().scene().obstacles()[0];
   CHECK((seen.twist - (Vec6() << 0.0, 0.0, 0.02, 0.0, 0.0, 0.1).finished()).norm() < 1e-10);
   bench.tick();
   CHECK(seen.twist.isZero(0.0));

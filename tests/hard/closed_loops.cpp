@@ -257,7 +257,7 @@ Outcome outcomeOf(Case& c) {
     outcome.isFault = outcome.isFault || isFault(loop.tick().reason);
     REQUIRE(outcome.isFault == (haptics.guard().fault() != GuardReason::none));
     if (outcome.isFault) REQUIRE(loop.tick().status != Status::ok);
-    const Obstacle& wall = haptics.obstacles().scene().obstacles()[0];
+    const Obstacle& wall = haptics.scene().scene().obstacles()[0];
     if (!outcome.isFault && loop.tick().reason == GuardReason::none)
       outcome.depth = std::max(outcome.depth, wall.pose.position.z() - device.state().position.z());
     if (device.advance(hand) != Status::ok) break;

@@ -24,6 +24,7 @@ const std::vector<std::vector<std::string>> kLayers = {{"core"},
                                                        {"render"},
                                                        {"sim", "runtime", "plugin"},
                                                        {"multibody", "identify", "study", "session"},
+                                                       {"c"},
                                                        {"plugins", "apps"},
                                                        {"tests"}};
 const std::map<std::string, std::set<std::string>> kBeside = {

@@ -55,6 +55,23 @@ std::set<std::string> anchorsOf(const std::string& text) {
   return result;
 }
 
+// Check that the lines of each block of C++ on a page follow each other in one of the sources. Return the number of
+// blocks.
+int blocksFrom(const std::vector<std::vector<std::string>>& sources, const std::string& page) {
+  const std::string text = test::readFile((kSource / page).string()), open = "```cpp\n";
+  int blocks = 0;
+  for (std::size_t at = 0; (at = text.find(open, at)) != std::string::npos; ++blocks) {
+    const std::size_t begin = at + open.size();
+    at = text.find("```", begin);
+    const std::vector<std::string> shown = linesOf(text.substr(begin, at - begin));
+    INFO(page << ": " << shown.front());
+    CHECK(std::any_of(sources.begin(), sources.end(), [&](const std::vector<std::string>& lines) {
+      return std::search(lines.begin(), lines.end(), shown.begin(), shown.end()) != lines.end();
+    }));
+  }
+  return blocks;
+}
+
 }  // namespace
 
 TEST_CASE("every relative link of the pages leads to a file, and to a heading where it names one", "[pages]") {
@@ -89,18 +106,12 @@ TEST_CASE("the examples are below 80 lines, each is on their page, and the first
   }
   CHECK(sources.size() >= 12);
 
-  const std::string hour = test::readFile((kSource / "lib/docs/first-hour.md").string()), open = "```cpp\n";
-  int blocks = 0;
-  for (std::size_t at = 0; (at = hour.find(open, at)) != std::string::npos; ++blocks) {
-    const std::size_t begin = at + open.size();
-    at = hour.find("```", begin);
-    const std::vector<std::string> shown = linesOf(hour.substr(begin, at - begin));
-    INFO(shown.front());
-    CHECK(std::any_of(sources.begin(), sources.end(), [&](const std::vector<std::string>& lines) {
-      return std::search(lines.begin(), lines.end(), shown.begin(), shown.end()) != lines.end();
-    }));
-  }
-  CHECK(blocks >= 4);
+  CHECK(blocksFrom(sources, "lib/docs/first-hour.md") >= 4);
+}
+
+TEST_CASE("the page of sessions shows the lines of its test", "[pages]") {
+  const std::string test = test::readFile((kSource / "tests/unit/session_page.cpp").string());
+  CHECK(blocksFrom({linesOf(test)}, "lib/docs/session.md") >= 9);
 }
 
 }  // namespace enamel::test_pages

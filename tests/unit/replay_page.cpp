@@ -66,7 +66,7 @@ Run record(const test::TemporaryFolder& folder, const std::string& path) {
   const SceneFile scene = app::recordedScene(header);
   header.start.position = scene.start;
   const std::map<std::string, std::string> parameters{{"mode", "surface"}};
-  app::nameRenderer("position-control", "", parameters, scene.scene, header);
+  nameRenderer("position-control", "", parameters, scene.scene, header);
   const auto renderer = makeLinked("position-control", parameters, device, 1e-3);
 
   LoopSetup setup;

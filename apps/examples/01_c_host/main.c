@@ -1,76 +1,60 @@
-/* A host in plain C. It loads a renderer plugin and pushes a free mass of 0.3 kg against the wall z = 0 with 12 N, at
- * 1 kHz. The host computes contact, motion and loop; the plugin renders the wall. The device is Cartesian: its three
- * joints are x, y and z, and their torques are forces. Its Jacobian is therefore the identity. A real host measures
- * and sends its own values.
- *
- *   c_host PLUGIN.so cartesian-3.toml
+/* A host in C99: an own mesh, felt with a simulated device, in 60 lines. A hand pushes the tool down onto a
+ * pyramid that moves to the side. The program prints the state 30 times a second and stops when the wall pushes back.
+ * A device of your own is a struct of functions: EnamelDevice in enamel.h.
  */
-#include <dlfcn.h>
-#include <enamel/plugin/abi.h>
-#include <math.h>
+#define _POSIX_C_SOURCE 199309L /* nanosleep() */
+#include <enamel/c/enamel.h>
 #include <stdio.h>
+#include <time.h>
 
-static const double kMass = 0.3, kDamping = 4.0, kPush = 12.0, kPeriod = 1e-3, kLargestForce = 30.0; /* SI */
+static const double kVertices[] = {-0.02, -0.02, -0.01, 0.02,  -0.02, -0.01, 0.02, 0.02,
+                                   -0.01, -0.02, 0.02,  -0.01, 0.0,   0.0,   0.0}; /* m */
+static const int32_t kTriangles[] = {0, 2, 1, 0, 3, 2, 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4};
 
-static int fail(const char* what, const char* why) {
-  fprintf(stderr, "c_host: %s: %s\n", what, why);
+static int fail(EnamelSession* session, const char* what) {
+  char text[512] = "";
+  EnamelMessage message = {text, sizeof text};
+  enamel_message(session, message);
+  fprintf(stderr, "c_host: %s: %s\n", what, text);
+  enamel_session_destroy(session);
   return 1;
 }
 
-int main(int argc, char** argv) {
-  if (argc != 3) return fail("usage", "c_host PLUGIN.so DEVICE.toml");
-  void* library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
-  if (library == NULL) return fail("dlopen()", dlerror());
-  const EnamelPlugin* (*entry)(void);
-  *(void**)&entry = dlsym(library, ENAMEL_PLUGIN_SYMBOL);
-  if (entry == NULL) return fail(argv[1], "does not export " ENAMEL_PLUGIN_SYMBOL "()");
-  const EnamelPlugin* plugin = entry();
-  if (plugin->abi_version != ENAMEL_ABI_VERSION || plugin->plugin_size != sizeof(EnamelPlugin) ||
-      plugin->input_size != sizeof(EnamelTickInput) || plugin->output_size != sizeof(EnamelTickOutput))
-    return fail(argv[1], "is made for another version of the boundary");
-  char why[256] = "";
-  const EnamelMessage message = {why, sizeof why};
-  const EnamelConfiguration configuration = {.device_path = argv[2]};
-  void* wall = plugin->create();
-  if (wall == NULL) return fail(argv[1], "create() failed");
-  if (plugin->configure(wall, &configuration, message) != ENAMEL_OK) return fail("configure()", why);
-  if (plugin->activate(wall, kPeriod, message) != ENAMEL_OK) return fail("activate()", why);
+int main(void) {
+  char why[512] = "";
+  EnamelMessage message = {why, sizeof why};
+  EnamelPose start = {{0.0, 0.0, 2e-3}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  EnamelSessionDef def;
+  EnamelSession* session;
+  enamel_session_defaults(&def); /* the nominal TAU, no obstacles, position control at 1 kHz */
+  def.start = &start;
+  if (enamel_session_create(&def, &session, message) != ENAMEL_OK) return fprintf(stderr, "c_host: %s\n", why), 1;
 
-  /* Ticks. */
-  double z = 0.0, v = 0.0, force = 0.0, deepest = 0.0;
-  int tick, axis, failed = 0;
-  for (tick = 0; tick < 1000 && !failed; ++tick) {
-    EnamelTickInput input = {0};
-    EnamelTickOutput output;
-    input.time = kPeriod * (tick + 1);
-    input.joint_count = 3;
-    input.q[2] = input.position[2] = z;
-    input.rates[2] = input.twist[2] = v;
-    input.rotation[0] = input.rotation[4] = input.rotation[8] = 1.0;
-    for (axis = 0; axis < 3; ++axis) {
-      input.jacobian[axis][axis] = input.inverse[axis][axis] = 1.0;
-      input.inertia[axis][axis] = kMass, input.max_torque[axis] = kLargestForce;
-    }
-    input.applied[2] = force;
-    input.applied_known = 1;
-    input.contact_count = 1;
-    input.contacts[0].point[2] = z;
-    input.contacts[0].normal[2] = 1.0;
-    input.contacts[0].gap = z;
-    input.contacts[0].stiffness = HUGE_VAL; /* rigid, without friction */
-    input.contacts[0].triangle = input.contacts[0].feature_index = -1;
-    failed = plugin->step(wall, &input, &output) != ENAMEL_OK;
-    force = output.answer == ENAMEL_WRENCH ? output.wrench[2] : output.torque[2];
-    if (force > kLargestForce) force = kLargestForce;
-    v += kPeriod * (force - kPush - kDamping * v) / kMass;
-    z += kPeriod * v;
-    if (z < deepest) deepest = z;
-    if (tick % 100 == 99) printf("%.1f s: %7.3f mm deep, the wall pushes with %6.2f N\n", input.time, -1e3 * z, force);
+  EnamelObstacleDef pyramid;
+  EnamelObstacle id;
+  enamel_obstacle_defaults(&pyramid);
+  pyramid.name = "pyramid";
+  pyramid.shape = ENAMEL_MESH;
+  pyramid.vertices = kVertices;
+  pyramid.vertex_count = sizeof kVertices / sizeof *kVertices / 3;
+  pyramid.triangles = kTriangles;
+  pyramid.triangle_count = sizeof kTriangles / sizeof *kTriangles / 3;
+  if (enamel_add(session, &pyramid, &id) != ENAMEL_OK) return fail(session, "add");
+  if (enamel_start_virtual(session, NULL, NULL) != ENAMEL_OK)
+    return fail(session, "start"); /* or enamel_start_device */
+
+  EnamelSnapshot now = {.size = sizeof now};
+  for (int frame = 0; frame < 3000 && (now.contact_count == 0 || now.wrench[2] < 0.5);
+       ++frame) { /* the graphics thread */
+    const struct timespec pause = {0, 33000000};
+    EnamelPose place = {{1e-4 * frame, 0.0, 0.0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    nanosleep(&pause, NULL);
+    if (enamel_move(session, id, &place, NULL) != ENAMEL_OK) return fail(session, "move");
+    if (enamel_snapshot(session, &now) != ENAMEL_OK) return fail(session, "snapshot");
+    if (now.fault != 0) enamel_reset(session); /* a late tick on a busy machine; a real program asks the person first */
+    printf("tick %6llu  z %6.3f mm  %d contacts  %5.2f N\n", (unsigned long long)now.tick, 1e3 * now.position[2],
+           (int)now.contact_count, now.wrench[2]);
   }
-  plugin->deactivate(wall);
-  plugin->destroy(wall);
-  dlclose(library);
-  if (failed) return fail("step()", "the plugin reported a fault");
-  printf("%s: deepest %.3f mm under %.0f N, at rest %.3f mm\n", argv[1], -1e3 * deepest, kPush, -1e3 * z);
-  return 0;
+  enamel_session_destroy(session); /* ramps out and stops */
+  return now.contact_count > 0 && now.wrench[2] >= 0.5 ? 0 : 1;
 }

@@ -153,6 +153,20 @@ void ToolTrack::reset(const Scene& scene) noexcept {
   lastKey_ = 0;
 }
 
+void ToolTrack::takeOver(ToolTrack& old, const Scene& before, const Scene& now) noexcept {
+  const std::size_t obstacles = now.obstacles().size(), others = before.obstacles().size();
+  const std::size_t parts = obstacles == 0 ? 0 : parts_.size() / obstacles;
+  for (std::size_t i = 0; i < std::min(obstacles, others); ++i) {
+    if (!isSameObstacle(before, now, i)) continue;
+    std::swap(cache_.parts_[i], old.cache_.parts_[i]);
+    for (std::size_t k = 0; k < parts; ++k) parts_[i * parts + k] = old.parts_[i * parts + k];
+  }
+  last_ = old.last_;
+  lastKey_ = old.lastKey_;
+  for (int k = 0; k < last_.count; ++k)
+    if (!isSameObstacle(before, now, static_cast<std::size_t>(last_.contacts[k].obstacle))) last_.contacts[k].key = 0;
+}
+
 Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolTrack& track,
                       ContactSnapshot& contacts) noexcept {
   const auto visit = [&](const Obstacle& obstacle, const Segment& axis, double radius, PartCache* known,
@@ -171,6 +185,8 @@ Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, do
     out.actual = isHeld ? &axis : nullptr;
     addPart(obstacle, isHeld ? part.axis : axis, radius, known, out);
   };
+  for (std::size_t i = 0; i < track.parts_.size(); ++i)  // a path ends while its obstacle is not active
+    if (!scene.obstacles()[i / static_cast<std::size_t>(tool.count)].active) track.parts_[i].isKnown = false;
   const Status status = forEachPart(scene, tool, pose, margin, &track.cache_, contacts, visit);
   if (status == Status::ok) nameContacts(scene, track.last_, track.lastKey_, contacts);
   return status;

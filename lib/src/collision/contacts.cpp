@@ -37,13 +37,10 @@ ToolCache makeToolCache(const Scene& scene, const Tool& tool) {
                 ": it must have 0 to " + std::to_string(kMaxToolParts) +
                 " parts, their ends within 1 m of the TCP along every axis, their radius in 0 to 1 m");
   ToolCache cache;
-  int parts = 0;
   for (const Obstacle& obstacle : scene.obstacles()) {
     const bool isMesh = std::holds_alternative<std::shared_ptr<const MeshModel>>(obstacle.shape);
-    cache.first_.push_back(isMesh ? parts : -1);
-    if (isMesh) parts += tool.count;
+    cache.parts_.emplace_back(isMesh ? static_cast<std::size_t>(tool.count) : 0);
   }
-  cache.parts_.resize(static_cast<std::size_t>(parts));
   return cache;
 }
 

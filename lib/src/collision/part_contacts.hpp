@@ -57,6 +57,7 @@ Status forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, doubl
   const std::vector<Obstacle>& obstacles = scene.obstacles();
   End ends[2];
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    if (!obstacles[i].active) continue;
     if (!isFinite(obstacles[i].pose)) {
       contacts.count = 0;
       return Status::notFinite;

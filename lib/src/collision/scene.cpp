@@ -9,6 +9,25 @@
 namespace enamel {
 namespace {
 
+bool isSameShape(const HalfSpace&, const HalfSpace&) noexcept { return true; }
+bool isSameShape(const Box& a, const Box& b) noexcept { return a.half == b.half; }
+bool isSameShape(const Sphere& a, const Sphere& b) noexcept { return a.radius == b.radius; }
+bool isSameShape(const Capsule& a, const Capsule& b) noexcept {
+  return a.radius == b.radius && a.halfLength == b.halfLength;
+}
+template <typename Model>
+bool isSameShape(const std::shared_ptr<const Model>& a, const std::shared_ptr<const Model>& b) noexcept {
+  return a == b;
+}
+
+// Compare two shapes of the same kind, the I-th or a later one.
+template <std::size_t I>
+bool isSame(const Shape& a, const Shape& b) noexcept {
+  if constexpr (I + 1 < std::variant_size_v<Shape>)
+    if (a.index() != I) return isSame<I + 1>(a, b);
+  return isSameShape(*std::get_if<I>(&a), *std::get_if<I>(&b));
+}
+
 bool isNear(const Vec3& position) noexcept { return position.cwiseAbs().maxCoeff() <= kFarthest; }
 bool isSlow(const Vec6& twist) noexcept {
   return twist.head<3>().cwiseAbs().maxCoeff() <= kFastest && twist.tail<3>().cwiseAbs().maxCoeff() <= kFastestTurn;
@@ -16,11 +35,11 @@ bool isSlow(const Vec6& twist) noexcept {
 
 }  // namespace
 
-int Scene::add(Obstacle obstacle) {
+void Scene::check(const Obstacle& obstacle, std::size_t number) const {
   const std::string name = "obstacle \"" + obstacle.name + "\"";
   if (obstacle.name.empty()) throw Error("the name of an obstacle is empty");
-  for (const Obstacle& other : obstacles_)
-    if (other.name == obstacle.name) throw Error(name + " occurs twice in the scene");
+  for (std::size_t i = 0; i < obstacles_.size(); ++i)
+    if (i != number && obstacles_[i].name == obstacle.name) throw Error(name + " occurs twice in the scene");
   const Mat3& R = obstacle.pose.rotation;
   if (!obstacle.pose.position.allFinite() || !R.allFinite() || !obstacle.twist.allFinite())
     throw Error(name + ": pose or twist is not finite");
@@ -40,19 +59,31 @@ int Scene::add(Obstacle obstacle) {
   if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) sized = *solid != nullptr;
   if (!sized)
     throw Error(name + ": the size of the shape must be positive and finite, its mesh or solid must not be null");
-  const Material& m = obstacle.material;
-  if (!(m.stiffness > 0.0) || !(m.friction >= 0.0 && m.friction <= 10.0) ||
-      !(m.slidingFriction >= 0.0 && m.slidingFriction <= m.friction) ||
-      !(m.viscosity >= 0.0 && std::isfinite(m.viscosity)))
-    throw Error(
-        name +
-        ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to friction, "
-        "and a finite viscosity of at least 0 N s/m");
+  checkMaterial(obstacle.material, name);
   const bool isMesh = std::holds_alternative<std::shared_ptr<const MeshModel>>(obstacle.shape);
   if (!(obstacle.thickness >= 0.0 && std::isfinite(obstacle.thickness)) || (obstacle.thickness > 0.0 && !isMesh))
     throw Error(name + ": the thickness must be at least 0 m and finite, and 0 m unless the shape is a mesh");
+}
+
+int Scene::add(Obstacle obstacle) {
+  check(obstacle, obstacles_.size());
   obstacles_.push_back(std::move(obstacle));
   return static_cast<int>(obstacles_.size()) - 1;
+}
+
+void Scene::replace(int obstacle, Obstacle by) {
+  const auto number = static_cast<std::size_t>(obstacle);
+  if (number >= obstacles_.size())
+    throw Error("the scene has no obstacle " + std::to_string(obstacle) + ", only 0 to " +
+                std::to_string(static_cast<int>(obstacles_.size()) - 1));
+  check(by, number);
+  obstacles_[number] = std::move(by);
+}
+
+Status Scene::activate(int obstacle, bool active) noexcept {
+  if (static_cast<std::size_t>(obstacle) >= obstacles_.size()) return Status::outOfRange;
+  obstacles_[static_cast<std::size_t>(obstacle)].active = active;
+  return Status::ok;
 }
 
 Status Scene::move(int obstacle, const Pose& pose, const Vec6& twist) noexcept {
@@ -62,6 +93,25 @@ Status Scene::move(int obstacle, const Pose& pose, const Vec6& twist) noexcept {
   obstacles_[static_cast<std::size_t>(obstacle)].pose = pose;
   obstacles_[static_cast<std::size_t>(obstacle)].twist = twist;
   return Status::ok;
+}
+
+bool isSameObstacle(const Scene& before, const Scene& now, std::size_t number) noexcept {
+  if (number >= before.obstacles().size() || number >= now.obstacles().size()) return false;
+  const Obstacle& a = before.obstacles()[number];
+  const Obstacle& b = now.obstacles()[number];
+  if (!a.active || !b.active || a.thickness != b.thickness || a.name != b.name || a.shape.index() != b.shape.index())
+    return false;
+  return isSame<0>(a.shape, b.shape);
+}
+
+void checkMaterial(const Material& m, const std::string& name) {
+  if (!(m.stiffness > 0.0) || !(m.friction >= 0.0 && m.friction <= 10.0) ||
+      !(m.slidingFriction >= 0.0 && m.slidingFriction <= m.friction) ||
+      !(m.viscosity >= 0.0 && m.viscosity <= kLargestViscosity))
+    throw Error(name +
+                ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to "
+                "friction, and a viscosity in 0 to " +
+                formatNumber(kLargestViscosity) + " N s/m");
 }
 
 Mat3 frameAlong(const Vec3& axis) noexcept {

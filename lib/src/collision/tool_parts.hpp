@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "enamel/collision/contacts.hpp"
 #include "mesh_data.hpp"
@@ -24,9 +25,9 @@ struct PartCache {
 
   /// Return the cache of a part, or null if it is missing.
   static PartCache* of(ToolCache* cache, std::size_t obstacle, int part) noexcept {
-    if (cache == nullptr || obstacle >= cache->first_.size() || cache->first_[obstacle] < 0) return nullptr;
-    const auto i = static_cast<std::size_t>(cache->first_[obstacle] + part);
-    return i < cache->parts_.size() ? &cache->parts_[i] : nullptr;
+    if (cache == nullptr || obstacle >= cache->parts_.size()) return nullptr;
+    std::vector<PartCache>& parts = cache->parts_[obstacle];
+    return static_cast<std::size_t>(part) < parts.size() ? &parts[static_cast<std::size_t>(part)] : nullptr;
   }
 };
 

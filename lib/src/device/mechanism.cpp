@@ -63,11 +63,11 @@ Vec3 eigenvaluesOf(const Mat3& matrix) noexcept {
   return Eigen::SelfAdjointEigenSolver<Mat3>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
-void Mechanism::setHome() {
+void Mechanism::setHome(const Pose& home) {
   const auto refuse = [this](const std::string& problem) {
     throw ConfigurationError("device \"" + name_ + "\"", 0, "", problem);
   };
-  const Status status = reach(Pose{}, Vec6::Zero(), true, home_);
+  const Status status = reach(home, Vec6::Zero(), true, home_);
   if (status != Status::ok) refuse(std::string("the home pose is ") + toString(status));
   Cholesky<kMaxJoints> inertia;
   if (!factorInertia(home_.inertia, inertia))

@@ -25,6 +25,23 @@ inline void fromPlain(const double* in, int count, JointVector& out) noexcept {
   std::copy_n(in, count, out.data());
 }
 
+inline void toPlain(const Contact& from, EnamelContact& to) noexcept {
+  Eigen::Map<Vec3>(to.point) = from.point;
+  Eigen::Map<Vec3>(to.normal) = from.normal;
+  to.gap = from.gap;
+  Eigen::Map<Vec3>(to.obstacle_velocity) = from.obstacleVelocity;
+  to.obstacle = from.obstacle;
+  to.stiffness = from.material.stiffness;
+  to.friction = from.material.friction;
+  to.sliding_friction = from.material.slidingFriction;
+  to.viscosity = from.material.viscosity;
+  to.part = from.part;
+  to.triangle = from.triangle;
+  to.feature = static_cast<int32_t>(from.feature);
+  to.feature_index = from.featureIndex;
+  to.key = from.key;
+}
+
 inline void toPlain(const TickFrame& in, EnamelTickInput& out) noexcept {
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Kinematics& k = in.kinematics;
@@ -45,24 +62,7 @@ inline void toPlain(const TickFrame& in, EnamelTickInput& out) noexcept {
     std::copy_n(k.inertia.col(i).data(), k.inertia.rows(), out.inertia[i]);
   out.joint_count = static_cast<int32_t>(k.q.size());
   out.contact_count = in.contacts.count;
-  for (int i = 0; i < storedContacts(in.contacts.count); ++i) {
-    const Contact& from = in.contacts.contacts[i];
-    EnamelContact& to = out.contacts[i];
-    Eigen::Map<Vec3>(to.point) = from.point;
-    Eigen::Map<Vec3>(to.normal) = from.normal;
-    to.gap = from.gap;
-    Eigen::Map<Vec3>(to.obstacle_velocity) = from.obstacleVelocity;
-    to.obstacle = from.obstacle;
-    to.stiffness = from.material.stiffness;
-    to.friction = from.material.friction;
-    to.sliding_friction = from.material.slidingFriction;
-    to.viscosity = from.material.viscosity;
-    to.part = from.part;
-    to.triangle = from.triangle;
-    to.feature = static_cast<int32_t>(from.feature);
-    to.feature_index = from.featureIndex;
-    to.key = from.key;
-  }
+  for (int i = 0; i < storedContacts(in.contacts.count); ++i) toPlain(in.contacts.contacts[i], out.contacts[i]);
 }
 
 /// `withInertia`: the inertia is defined.

@@ -182,6 +182,20 @@ class PluginRenderer final : public Renderer {
 
 }  // namespace
 
+void PluginLibrary::use(const EnamelPlugin& table) {
+  checkTable(path_, table);
+  table_ = &table;
+  description_ = guarded(path_, "describe", table.describe);
+  checkDescription(path_, description_);
+}
+
+std::shared_ptr<const PluginLibrary> PluginLibrary::of(const EnamelPlugin& table, const std::string& name) {
+  std::shared_ptr<PluginLibrary> library(new PluginLibrary);
+  library->path_ = name;
+  library->use(table);
+  return library;
+}
+
 std::shared_ptr<const PluginLibrary> PluginLibrary::load(const std::string& path) {
   checkFile(path);
   std::shared_ptr<PluginLibrary> library(new PluginLibrary);
@@ -193,10 +207,7 @@ std::shared_ptr<const PluginLibrary> PluginLibrary::load(const std::string& path
   if (symbol == nullptr) throw PluginError(path + ": does not export " ENAMEL_PLUGIN_SYMBOL "()");
   const EnamelPlugin* table = guarded(path, ENAMEL_PLUGIN_SYMBOL, reinterpret_cast<const EnamelPlugin* (*)()>(symbol));
   if (table == nullptr) throw PluginError(path + ": " ENAMEL_PLUGIN_SYMBOL "() returned NULL");
-  checkTable(path, *table);
-  library->table_ = table;
-  library->description_ = guarded(path, "describe", table->describe);
-  checkDescription(path, library->description_);
+  library->use(*table);
   return library;
 }
 
@@ -251,8 +262,10 @@ std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, c
       if (finding.library->description().name == nameOrPath) return finding.library;
       known += std::string(known.empty() ? "" : ", ") + finding.library->description().name;
     }
-  throw PluginError("unknown plugin \"" + nameOrPath + "\": " + folder +
-                    (known.empty() ? " has no plugins" : " has " + known) + "; a path must end in .so");
+  const std::string found = folder.empty()  ? "no plugin folder is given"
+                            : known.empty() ? folder + " has no plugins"
+                                            : folder + " has " + known;
+  throw PluginError("unknown plugin \"" + nameOrPath + "\": " + found + "; a path must end in .so");
 }
 
 }  // namespace enamel

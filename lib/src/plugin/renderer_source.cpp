@@ -69,6 +69,15 @@ RendererSource findRenderer(const std::string& nameOrPath, const std::string& pl
   return {library->description().name, library};
 }
 
+void requireKnown(const std::string& name, const std::map<std::string, std::string>& parameters) {
+  const std::string known = name == kPositionControl ? "delay, delay-high, drive"
+                            : name == kHold          ? "gain, release, anti-windup"
+                                                     : "stiffness, damping";
+  for (const auto& [key, value] : parameters)
+    require((", " + known + ",").find(", " + key + ",") != std::string::npos,
+            name + " has no parameter \"" + key + "\", only " + known);
+}
+
 ServoGain loadGain(const std::string& path, int joints, double period) {
   const ServoFile servo = loadServo(path);
   requireFits(path, servo.gain.rows(), servo.period, joints, period);
@@ -82,6 +91,8 @@ std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std
     ImpedanceOptions options;
     of.read("stiffness", options.stiffness);
     of.read("damping", options.damping);
+    options.stiffness /= device->scale();  // forces are those at the hand
+    options.damping /= device->scale();
     auto wall = std::make_unique<ImpedanceRenderer>(options);
     if (name == kImpedance) return wall;
     return std::make_unique<PassivityRenderer>(std::move(wall));
@@ -104,9 +115,10 @@ std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std
   HoldOptions options;
   of.readFlag("release", options.release);
   of.readFlag("anti-windup", options.antiWindup);
-  return std::make_unique<HoldRenderer>(
-      gain == "designed" ? ServoGain(designServo(device, Pose{}, period).K) : loadGain(gain, device->joints(), period),
-      period, options);
+  return std::make_unique<HoldRenderer>(gain == "designed"
+                                            ? ServoGain(designServo(device, device->home().pose, period).K)
+                                            : loadGain(gain, device->joints(), period),
+                                        period, options);
 }
 
 }  // namespace enamel

@@ -63,6 +63,7 @@ void Drill::correct(ContactSnapshot& contacts) noexcept {
 void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double elapsed,
                 const ContactSnapshot& contacts) noexcept {
   removed_ = RemovedVolume{};
+  lastCut_.obstacle = -1;
   const Contact* const first = contacts.contacts.data();
   const Contact* const end = first + contacts.count;
   const Contact* const deepest = std::find_if(first, end, [this](const Contact& c) {
@@ -119,6 +120,7 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   last_ = axis;
   if (reached > 0.0 && reached < 1.0)  // the next tick cuts the rest
     last_ = {from.a + reached * (axis.a - from.a), from.b + reached * (axis.b - from.b)};
+  if (reached > 0.0) lastCut_ = {number, from, last_, part_.radius};
 }
 
 }  // namespace enamel

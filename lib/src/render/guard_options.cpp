@@ -99,6 +99,10 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   const double turning = eigenvaluesOf(inverseInertia.bottomRightCorner<3, 3>())[2];
   o.brakeTurn = turning > 0.0 ? 0.05 / (period * turning) : 0.0;
   o.rate.resize(device.joints());
+  const double scale = device.scale();
+  o.speed *= scale;
+  o.stopSpeed *= scale;
+  o.softest /= scale * scale;
   for (int i = 0; i < device.joints(); ++i)
     o.rate[i] = 2.0 * (o.stopSpeed * home.inverseTransposed.col(i).head<3>().norm() +
                        o.stopTurn * home.inverseTransposed.col(i).tail<3>().norm());
@@ -108,8 +112,8 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0})
       force = std::min(force, largestForce(home, o.torque, home.pose.position, sign * Vec3::Unit(axis)));
-  o.energy = 7e-4 * force;
-  o.power = 1e-3 * force;
+  o.energy = 7e-4 * scale * force;
+  o.power = 1e-3 * scale * force;
   return o;
 }
 

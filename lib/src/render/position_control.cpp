@@ -38,7 +38,7 @@ constexpr int kRefreshTicks = 8;  // between two updates of the inertia
 }  // namespace
 
 PositionControlOptions positionControlFor(const Mechanism& mechanism, double period, int delayLow, int delayHigh) {
-  return {period, mechanism.limits().encoderStep, delayLow, delayHigh, mechanism.limits().drive};
+  return {period, mechanism.limits().encoderStep, delayLow, delayHigh, mechanism.limits().drive, mechanism.scale()};
 }
 
 // The implementation: with rotors behind cables, or rigid.
@@ -236,13 +236,14 @@ void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& fra
     for (int i = 0; i < n; ++i) turned(L[p][i], L[q][i]);
     if (!whole) observer_.rotate(memory_.observer, p, q, cosine, sine);
   }
+  const double grip = kGrip * options_.scale;
   for (int k = 0; k < n; ++k) {
     double hand = 0.0;
     typename Observer::Rounding reading;
     for (int i = 0; i < 6; ++i) {
       double arm = 0.0;
       for (int j = 0; j < n; ++j) arm += frame.kinematics.jacobian(i, j) * V[j][k];
-      hand += (i < 3 ? 1.0 : kGrip * kGrip) * arm * arm;
+      hand += (i < 3 ? 1.0 : grip * grip) * arm * arm;
     }
     for (int j = 0; j < n; ++j) {
       const double step = std::abs(V[j][k]) * options_.encoderStep[j];
@@ -268,7 +269,7 @@ void PositionControlRenderer::ControllerOf<kMech>::start(const TickFrame& frame)
                         largestForce(k, frame.maxTorque, k.pose.position, -along);
     if (std::isfinite(both)) force += both / 6.0;
   }
-  memory_.step = std::min(kStepForce, kStepShare * std::max(0.0, force));
+  memory_.step = std::min(kStepForce / options_.scale, kStepShare * std::max(0.0, force));
   for (int j = 0; j < joints_; ++j) memory_.axes[j][j] = 1.0;
   decouple(frame, true);
   for (int j = 0; j < joints_; ++j) memory_.lastReading[j] = memory_.lastEstimate[j] = k.q[j];
@@ -412,6 +413,7 @@ template <int kMech>
 int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const Ahead& a, Wall* walls, int count,
                                                                Target* targets) noexcept {
   int placed = 0;
+  const double near = kNear * options_.scale;
   for (int i = 0; i < count; ++i) {
     Wall& w = walls[i];
     Target& t = targets[placed];
@@ -426,9 +428,9 @@ int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const Ahead& a, W
       square += share;
       lead += share * a.law.lead[k];
     }
-    if (gap > 0.0 || !(square > 0.0) || next > kNear + reboundOf(memory_.step, 1.0 / inverse, readingStep(w.row)))
+    if (gap > 0.0 || !(square > 0.0) || next > near + reboundOf(memory_.step, 1.0 / inverse, readingStep(w.row)))
       w.holds = 0.0;
-    else if (next <= kNear)
+    else if (next <= near)
       w.holds = 1.0;
     if (w.holds == 0.0) continue;
     t.gap = gap - w.speed * lead / square;
@@ -673,7 +675,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   output.mode = RenderMode::free;
   output.normalForce = 0.0;
   for (int c = 0; c < frame.contacts.count; ++c)
-    if (walls[c].gap <= kNear) output.mode = RenderMode::contact;
+    if (walls[c].gap <= kNear * options_.scale) output.mode = RenderMode::contact;
   const double given = share(frame, a, walls, targets, placed, force, output);
   for (int i = 0; i < placed; ++i) {
     force[i] *= given;
@@ -709,6 +711,8 @@ PositionControlRenderer::PositionControlRenderer(const PositionControlOptions& o
            " ticks, must be within 0 to " + std::to_string(kMaxLoopDelay) + ", the smallest first");
   if (!(options.period >= 1e-5 && options.period <= 0.1))
     refuse("period is " + formatNumber(options.period) + " s, must be in 1e-5 to 0.1 s");
+  if (!(options.scale > 0.0 && std::isfinite(options.scale)))
+    refuse("scale is " + formatNumber(options.scale) + ", must be positive and finite");
   const Drive& d = options.drive;
   for (const double number : {d.bandwidth, d.rotorInertia, d.stiffness, d.damping, d.disturbance})
     if (!(number >= 0.0 && std::isfinite(number)))

@@ -37,8 +37,24 @@ void SceneMotion::reset(const Scene& stated) noexcept {
   for (std::size_t i = 0; i < glides_.size() && i < stated.obstacles().size(); ++i) {
     glides_[i] = {stated.obstacles()[i].pose, 0.0, 0.0, Vec6::Zero()};
     (void)scene_.move(static_cast<int>(i), glides_[i].goal, Vec6::Zero());
+    (void)scene_.activate(static_cast<int>(i), stated.obstacles()[i].active);
   }
   started_ = false;
+}
+
+void SceneMotion::takeOver(const SceneMotion& old) noexcept {
+  if (!old.started_) return;
+  started_ = true;
+  time_ = old.time_;
+  ignored_ = old.ignored_;
+  ignoredObstacle_ = old.ignoredObstacle_;
+  for (std::size_t i = 0; i < glides_.size(); ++i) {
+    glides_[i].set = time_ - kLongestFrame;
+    if (!isSameObstacle(old.scene_, scene_, i)) continue;
+    const Obstacle& moved = old.scene_.obstacles()[i];
+    glides_[i] = old.glides_[i];
+    (void)scene_.move(static_cast<int>(i), moved.pose, moved.twist);
+  }
 }
 
 const Scene& SceneMotion::follow(const Scene& stated, double time) noexcept {
@@ -55,6 +71,12 @@ const Scene& SceneMotion::follow(const Scene& stated, double time) noexcept {
 
 void SceneMotion::followOne(const Obstacle& stated, int number, double before) noexcept {
   Glide& glide = glides_[static_cast<std::size_t>(number)];
+  if (stated.active != scene_.obstacles()[static_cast<std::size_t>(number)].active) {
+    (void)scene_.activate(number, stated.active);
+    (void)scene_.move(number, stated.pose, Vec6::Zero());  // it appears at its stated pose, at rest
+    glide = {stated.pose, time_ - kLongestFrame, 0.0, Vec6::Zero()};
+    return;
+  }
   const Pose& pose = scene_.obstacles()[static_cast<std::size_t>(number)].pose;
   const bool isNew = !isSame(stated.pose, glide.goal);
   if (!isNew && glide.left == 0.0 && glide.twist.isZero(0.0) && stated.twist.isZero(0.0)) return;  // most obstacles

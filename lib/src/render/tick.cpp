@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace enamel {
 namespace {
@@ -28,13 +29,7 @@ std::size_t frameSize(int joints) noexcept { return 18 + 16 * static_cast<std::s
 
 HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer,
                        const GuardOptions& guard, const Pose& start)
-    : mechanism_(mechanism),
-      scene_(scene),
-      tool_(tool),
-      renderer_(renderer),
-      guard_(mechanism, guard),
-      obstacles_(scene),
-      track_(makeToolTrack(scene, tool)) {
+    : mechanism_(mechanism), scene_(scene, tool), renderer_(&renderer), guard_(mechanism, guard) {
   placeAt(start);
   frame_.maxTorque = guard.on ? guard.torque : mechanism.limits().effort;
   frame_.output.torque.setZero(mechanism.joints());
@@ -74,12 +69,12 @@ Status HapticTick::tick(const Measurement& measurement) noexcept {
   const bool isSample = measurement.age == 0;
   Status status = sense(measurement);
   if (status == Status::ok && isSample) status = findContacts(measurement.time);
-  if (status == Status::ok && isSample && renderer_.needsInertia()) status = fillContactRows(frame_);
+  if (status == Status::ok && isSample && renderer_->needsInertia()) status = fillContactRows(frame_);
   status = render(status);
   guard_.step(measurement, status, frame_);
   if (status == Status::ok && isSample) cut((1 + lost) * guard_.options().period);
   const bool isStopped = guard_.fault() != GuardReason::none;
-  if (guard_.options().on && !isStopped && !guard_.engaged()) renderer_.reset();
+  if (guard_.options().on && !isStopped && !guard_.engaged()) renderer_->reset();
   return status == Status::ok && isStopped ? Status::stopped : status;
 }
 
@@ -88,7 +83,7 @@ Status HapticTick::sense(const Measurement& m) noexcept {
   if (!isSample && sampleTime_ == kNever) return Status::stale;
   if (isSample) {
     sampleTime_ = kNever;  // until the configuration is known
-    const Status status = mechanism_.track(m.q, m.rates, renderer_.needsInertia(), frame_.kinematics);
+    const Status status = mechanism_.track(m.q, m.rates, renderer_->needsInertia(), frame_.kinematics);
     if (status != Status::ok) return status;
   }
   frame_.time = m.time;
@@ -96,24 +91,34 @@ Status HapticTick::sense(const Measurement& m) noexcept {
   frame_.applied.reset();
   if (m.applied && m.applied->size() == mechanism_.joints() && guard_.believes(*m.applied)) frame_.applied = m.applied;
   // Without a report the renderer assumes that its own output acted, unless the guard changed it.
-  if (!frame_.applied && frame_.reason != GuardReason::none) frame_.applied = frame_.command;
+  if (!frame_.applied && (frame_.reason != GuardReason::none || effectActed_)) frame_.applied = frame_.command;
   return Status::ok;
 }
 
 Status HapticTick::findContacts(double time) noexcept {
-  const Pose& pose = frame_.kinematics.pose;
-  const Scene& scene = obstacles_.follow(scene_, time);
-  const Status status = followContacts(scene, tool_, pose, kContactMargin, track_, frame_.contacts);
+  const Status status = scene_.findContacts(frame_.kinematics.pose, time, frame_.contacts);
   if (status != Status::ok) return status;
+  if (const double scale = mechanism_.scale(); scale != 1.0)  // materials are stated for forces at the hand
+    for (int i = 0; i < frame_.contacts.count; ++i) {
+      frame_.contacts.contacts[i].material.stiffness /= scale;
+      frame_.contacts.contacts[i].material.viscosity /= scale;
+    }
   if (drill_ != nullptr) drill_->correct(frame_.contacts);
   sampleTime_ = time;
   return Status::ok;
 }
 
 Status HapticTick::render(Status status) noexcept {
-  if (status == Status::ok) return renderer_.step(frame_, frame_.output);
+  if (status == Status::ok) return addEffect(renderer_->step(frame_, frame_.output));
   frame_.output = TickOutput{};
   frame_.output.torque.setZero(mechanism_.joints());
+  return status;
+}
+
+// The renderer's own output does not contain the effect. It learns of it from the command that acted.
+Status HapticTick::addEffect(Status status) noexcept {
+  effectActed_ = status == Status::ok && !effect_.isZero(0.0);
+  if (effectActed_) frame_.output.torque += torqueOf(frame_.kinematics.jacobian, effect_);
   return status;
 }
 
@@ -121,8 +126,9 @@ void HapticTick::cut(double elapsed) noexcept {
   if (drill_ == nullptr) return;
   Vec3 force = Vec3::Zero();  // of the wall on the tool, W, N
   const Kinematics& k = frame_.kinematics;
-  if (frame_.output.mode == RenderMode::contact) force = wrenchOf(k, frame_.command - k.gravity).head<3>();
-  drill_->cut(obstacles_.scene(), k.pose, force, elapsed, frame_.contacts);
+  if (frame_.output.mode == RenderMode::contact)
+    force = mechanism_.scale() * wrenchOf(k, frame_.command - k.gravity).head<3>();
+  drill_->cut(scene_.scene(), k.pose, force, elapsed, frame_.contacts);
 }
 
 void HapticTick::placeAt(const Pose& start) noexcept {
@@ -131,20 +137,31 @@ void HapticTick::placeAt(const Pose& start) noexcept {
     frame_.kinematics = mechanism_.home();
 }
 
+void HapticTick::exchange(TickScene& other) noexcept {
+  other.takeOver(scene_);
+  std::swap(scene_, other);
+}
+
+void HapticTick::select(Renderer& renderer) noexcept {
+  renderer_ = &renderer;
+  renderer_->reset();
+}
+
 void HapticTick::reset() noexcept {
   guard_.reset();
-  renderer_.reset();
-  obstacles_.reset(scene_);
+  renderer_->reset();
+  scene_.reset();
   sampleTime_ = kNever;
+  frame_.age = 0;  // the time may begin again at 0
 }
 
 void HapticTick::restart(const Pose& start) noexcept {
   guard_.restart();
-  renderer_.reset();
+  renderer_->reset();
   sampleTime_ = kNever;
   placeAt(start);
-  obstacles_.reset(scene_);
-  track_.reset(obstacles_.scene());
+  scene_.reset();
+  scene_.forgetPath();
   frame_.output = TickOutput{};
   frame_.output.torque.setZero(mechanism_.joints());
   frame_.command = JointVector();
@@ -152,7 +169,7 @@ void HapticTick::restart(const Pose& start) noexcept {
 }
 
 std::size_t HapticTick::numbers() const noexcept {
-  return frameSize(mechanism_.joints()) + track_.stateSize() + Guard::stateSize();
+  return frameSize(mechanism_.joints()) + scene_.stateSize() + Guard::stateSize();
 }
 
 void HapticTick::saveState(void* state) const noexcept {
@@ -164,10 +181,10 @@ void HapticTick::saveState(void* state) const noexcept {
   for (const double number :
        {sampleTime_, frame_.time, static_cast<double>(frame_.age), static_cast<double>(frame_.reason)})
     *at++ = number;
-  track_.saveState(obstacles_.scene(), at);
-  at += track_.stateSize();
+  scene_.saveState(at);
+  at += scene_.stateSize();
   guard_.saveState(at);
-  renderer_.saveState(at + Guard::stateSize());
+  renderer_->saveState(at + Guard::stateSize());
 }
 
 void HapticTick::loadState(const void* state) noexcept {
@@ -190,11 +207,10 @@ void HapticTick::loadState(const void* state) noexcept {
   frame_.age = static_cast<int>(std::clamp(reason[-1], 0.0, 1e6));
   frame_.reason = static_cast<GuardReason>(*reason);
   at = reason + 1;
-  obstacles_.reset(scene_);
-  track_.loadState(obstacles_.scene(), at);
-  at += track_.stateSize();
+  scene_.loadState(at);
+  at += scene_.stateSize();
   guard_.loadState(at);
-  renderer_.loadState(at + Guard::stateSize());
+  renderer_->loadState(at + Guard::stateSize());
 }
 
 }  // namespace enamel

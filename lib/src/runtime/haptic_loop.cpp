@@ -22,6 +22,16 @@ std::atomic<int> locks{0};
 
 }  // namespace
 
+void describe(const HapticTick& haptics, LoopTick& tick) noexcept {
+  const TickFrame& frame = haptics.frame();
+  tick.pose = frame.kinematics.pose;
+  tick.twist = frame.kinematics.twist;
+  tick.requested = frame.output.torque;
+  tick.normalForce = frame.output.normalForce;
+  tick.mode = frame.output.mode;
+  tick.reason = frame.reason;
+}
+
 LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOptions& options)
     : device_(device),
       haptics_(haptics),
@@ -92,6 +102,7 @@ bool LoopBody::step() noexcept {
     faulty_ = false;
   }
   if (stopping_) tick_.measurement.enabled = false;
+  if (sink_ != nullptr) sink_->before(tick_.measurement);
   tick_.status = haptics_(tick_.measurement, command_);
   tick_.command = command_;
   tick_.compute = since(measured);
@@ -101,13 +112,7 @@ bool LoopBody::step() noexcept {
   tick_.device = device != Status::ok ? device : sent;
   age_.add(tick_.age);
 
-  const TickFrame& frame = haptics_.frame();
-  tick_.pose = frame.kinematics.pose;
-  tick_.twist = frame.kinematics.twist;
-  tick_.requested = frame.output.torque;
-  tick_.normalForce = frame.output.normalForce;
-  tick_.mode = frame.output.mode;
-  tick_.reason = frame.reason;
+  describe(haptics_, tick_);
   if (sink_ != nullptr) sink_->tick(tick_, haptics_);
   ++tick_.number;
 

@@ -64,7 +64,7 @@ Recorder::Recorder(Write write, const std::string& path, RecordingHeader header,
 
 void Recorder::start(const HapticTick& tick) {
   header_.guard = tick.guard().options();
-  header_.joints = static_cast<int>(tick.frame().output.torque.size());
+  header_.joints = static_cast<int>(tick.guard().options().torque.size());
   header_.stateSize = tick.stateSize();
   header_.rendererState = tick.renderer().stateSize();
   require(header_.stateSize <= kLargestState, path_ + ": the state of a tick is " + std::to_string(header_.stateSize) +

@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <variant>
 
@@ -239,6 +240,29 @@ std::uint32_t crc32(std::string_view bytes, std::uint32_t before) noexcept {
   std::uint32_t crc = ~before;
   for (const char c : bytes) crc = (crc >> 8) ^ table[(crc ^ static_cast<unsigned char>(c)) & 0xff];
   return ~crc;
+}
+
+namespace {
+
+std::uint32_t filesChecksum(const std::map<std::string, std::string>& parameters, const Scene& scene) {
+  const std::uint32_t meshes = meshChecksum(scene);
+  const auto gain = parameters.find("gain");
+  if (gain == parameters.end() || gain->second == "designed") return meshes;
+  return crc32(readFile(gain->second), meshes);
+}
+
+}  // namespace
+
+void nameRenderer(const std::string& renderer, const std::string& plugin,
+                  const std::map<std::string, std::string>& parameters, const Scene& scene, RecordingHeader& header) {
+  header.renderer = renderer;
+  header.plugin = plugin.empty() ? "" : std::filesystem::absolute(plugin).string();
+  header.parameters = parameters;
+  header.files = filesChecksum(parameters, scene);
+}
+
+bool filesHaveChanged(const RecordingHeader& header, const Scene& scene) {
+  return filesChecksum(header.parameters, scene) != header.files;
 }
 
 std::uint32_t meshChecksum(const Scene& scene) {

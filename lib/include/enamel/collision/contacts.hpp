@@ -30,10 +30,10 @@ class ToolCache {
   ~ToolCache();
 
  private:
+  friend class ToolTrack;
   friend struct kernel::PartCache;
   friend ToolCache makeToolCache(const Scene& scene, const Tool& tool);
-  std::vector<int> first_;                // by obstacle: the first of its parts; -1: the obstacle has no mesh
-  std::vector<kernel::PartCache> parts_;  // one for each part and mesh
+  std::vector<std::vector<kernel::PartCache>> parts_;  // by obstacle and part; empty: the obstacle has no mesh
 };
 
 /// Make a cache for `tool` in the present `scene`. Size: 19 KB for each pair of part and mesh, nothing for other
@@ -83,6 +83,10 @@ class ToolTrack {
 
   /// Forget the tool's path, as after makeToolTrack(). Realtime: yes.
   void reset(const Scene& scene) noexcept;
+
+  /// Continue the path of `old`, a track of the same tool in the scene `before`, among the obstacles that both scenes
+  /// have (isSameObstacle()). `now` is the scene of this track. `old` is then only good for destruction. Realtime: yes.
+  void takeOver(ToolTrack& old, const Scene& before, const Scene& now) noexcept;
 
  private:
   friend ToolTrack makeToolTrack(const Scene& scene, const Tool& tool);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <string>
 
 namespace enamel {
 
@@ -12,5 +13,11 @@ struct Material {
   double slidingFriction = 0.0;  ///< mu_k while sliding, at most mu_s
   double viscosity = 0.0;        ///< on the sliding speed, N s/m
 };
+
+/// Largest viscosity, N s/m: larger values make every tick unstable.
+inline constexpr double kLargestViscosity = 1000.0;
+
+/// Throw Error, beginning with `name`, if a number of the material is outside its range. Realtime: no.
+void checkMaterial(const Material& material, const std::string& name);
 
 }  // namespace enamel

@@ -1,6 +1,7 @@
 // Obstacles with names, at rest or moving.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <variant>
@@ -24,12 +25,14 @@ struct Obstacle {
   Vec6 twist = Vec6::Zero();  ///< [v; w] of the obstacle's frame at its origin, axes of W, m/s and rad/s
   Material material;          ///< passed on to the contacts; a solid has a material for each layer
   double thickness = 0.0;     ///< above 0: the mesh is the middle of a sheet of this thickness, without an inside, m
+  bool active = true;         ///< false: reserved for later; no query finds it
 };
 
 /// Limits of an obstacle: distance from the origin of W along each axis (m), speed (m/s), turn rate (rad/s).
 inline constexpr double kFarthest = 100.0, kFastest = 100.0, kFastestTurn = 1000.0;
 
-/// A list of obstacles. Add them before the ticks begin: in a tick only poses and twists may change.
+/// A list of obstacles. Add them before the ticks begin: in a tick only poses, twists and `active` may change. To add
+/// obstacles later, give the tick a new TickScene.
 class Scene {
  public:
   /// Add an obstacle and return its number, counted from 0. Realtime: no.
@@ -39,9 +42,15 @@ class Scene {
   /// - a twist that is not finite, or above kFastest or kFastestTurn;
   /// - a shape with a size that is not positive and finite, or with an empty pointer;
   /// - a material with a stiffness not above 0 N/m, friction outside 0 to 10, sliding friction outside 0 to the
-  ///   friction, or a viscosity that is negative or not finite;
+  ///   friction, or a viscosity outside 0 to kLargestViscosity;
   /// - a thickness that is negative or not finite, or above 0 for a shape other than a mesh.
   int add(Obstacle obstacle);
+
+  /// Replace an obstacle; its number remains. Throws Error as add(), and if no obstacle has this number. Realtime: no.
+  void replace(int obstacle, Obstacle by);
+
+  /// Activate or deactivate an obstacle. Realtime: yes. Statuses: ok; outOfRange (no obstacle has this number).
+  Status activate(int obstacle, bool active) noexcept;
 
   /// Set the pose and twist of an obstacle. SceneMotion defines the motion that a tick sees. Realtime: yes.
   /// Statuses: ok; notFinite; outOfRange. After an error the obstacle is unchanged. outOfRange means:
@@ -54,8 +63,14 @@ class Scene {
   const std::vector<Obstacle>& obstacles() const noexcept { return obstacles_; }
 
  private:
+  void check(const Obstacle& obstacle, std::size_t number) const;
+
   std::vector<Obstacle> obstacles_;
 };
+
+/// Return whether an obstacle continues to exist in another scene. It must be active in both, with the same number,
+/// name, shape and thickness. Meshes and solids are the same if they are the same object. Realtime: yes.
+bool isSameObstacle(const Scene& before, const Scene& now, std::size_t number) noexcept;
 
 /// Return a rotation whose third column is `axis` (unit length, W): the frame of a half space or a capsule.
 /// Realtime: yes.

@@ -89,7 +89,11 @@ class Mechanism {
   int joints() const noexcept { return static_cast<int>(home_.q.size()); }
   const JointLimits& limits() const noexcept { return limits_; }
 
-  /// Return the state at rest at the home pose (P = W), with inertia.
+  /// Return how many metres P moves in W per metre of the device; 1 except for a MappedMechanism. A force F of the
+  /// frame is then F times this number at the hand, so that force times speed is the same in both.
+  double scale() const noexcept { return scale_; }
+
+  /// Return the state at rest at the home pose (P = W, or as the map of a MappedMechanism has it), with inertia.
   const Kinematics& home() const noexcept { return home_; }
 
   /// Forward kinematics: compute everything from joint coordinates and rates. The search starts at the content of
@@ -115,15 +119,17 @@ class Mechanism {
   virtual std::vector<Bar> bars(const Pose& pose) const = 0;
 
  protected:
-  Mechanism(std::string name, JointLimits limits) : name_(std::move(name)), limits_(std::move(limits)) {}
+  Mechanism(std::string name, JointLimits limits, double scale = 1.0)
+      : name_(std::move(name)), limits_(std::move(limits)), scale_(scale) {}
 
   /// Set home() with reach(). A mechanism's constructor must call it last. Throws ConfigurationError if home is
   /// unreachable or its mass matrix is not positive definite.
-  void setHome();
+  void setHome(const Pose& home = Pose{});
 
  private:
   std::string name_;
   JointLimits limits_;
+  double scale_;
   Kinematics home_;
 };
 

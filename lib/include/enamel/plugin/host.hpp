@@ -31,6 +31,9 @@ class PluginLibrary {
   ///
   /// A library that crashes or hangs does the same to the process. Realtime: no.
   static std::shared_ptr<const PluginLibrary> load(const std::string& path);
+
+  /// Use a table of functions in this program. `name` appears in messages. Throws PluginError as load(). Realtime: no.
+  static std::shared_ptr<const PluginLibrary> of(const EnamelPlugin& table, const std::string& name);
   ~PluginLibrary();
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
@@ -41,6 +44,7 @@ class PluginLibrary {
 
  private:
   PluginLibrary() = default;
+  void use(const EnamelPlugin& table);
 
   std::string path_;
   void* handle_ = nullptr;

@@ -25,6 +25,10 @@ struct RendererSource {
 /// findPlugin(). Realtime: no.
 RendererSource findRenderer(const std::string& nameOrPath, const std::string& pluginFolder);
 
+/// Throw Error if a linked renderer does not know one of the parameters. The message lists those that it knows.
+/// Realtime: no.
+void requireKnown(const std::string& name, const std::map<std::string, std::string>& parameters);
+
 /// Load the gain of an LQR design for ticks of `period` s on a device with `joints` joints. Throws Error as
 /// loadServo(), and if it was designed for another period or number of joints. Realtime: no.
 ServoGain loadGain(const std::string& path, int joints, double period);

@@ -9,6 +9,13 @@
 
 namespace enamel {
 
+/// A call of Solid::cut().
+struct SolidCut {
+  int obstacle = -1;    ///< number in the scene; -1: nothing was cut
+  Segment from, to;     ///< axis of the bur in the frame of the solid, m
+  double radius = 0.0;  ///< m
+};
+
 /// A spinning bur that cuts solids. Pressed with force F against material of hardness H, it removes the volume
 ///
 ///   V' = K F v / H,   v = 2 pi r n: speed of its surface
@@ -42,6 +49,12 @@ class Drill {
   void cut(const Scene& scene, const Pose& pose, const Vec3& force, double elapsed,
            const ContactSnapshot& contacts) noexcept;
 
+  /// Exchange the solids, after the scene was exchanged. The work of the bur continues. Realtime: yes.
+  void exchangeSolids(std::vector<std::shared_ptr<Solid>>& solids) noexcept { solids_.swap(solids); }
+
+  /// Return what the last tick cut, so that a copy of the solid can be cut in the same way. Realtime: yes.
+  const SolidCut& lastCut() const noexcept { return lastCut_; }
+
   /// Return the volume that the last tick removed, per layer, m^3. feed() returns the speed at which the surface
   /// receded, m/s. Realtime: yes.
   const RemovedVolume& removed() const noexcept { return removed_; }
@@ -64,6 +77,7 @@ class Drill {
   double owed_ = 0.0;                        // volume not yet cut, m^3
   double hardness_ = 0.0;
   RemovedVolume removed_{};
+  SolidCut lastCut_;
   double feed_ = 0.0;
 };
 

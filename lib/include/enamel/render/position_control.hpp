@@ -33,6 +33,7 @@ struct PositionControlOptions {
   JointVector encoderStep;          ///< step of each joint's encoder, rad or m; one per joint of the device
   int delayLow = 0, delayHigh = 0;  ///< delay of a command, ticks: constant if equal, else random in between
   Drive drive;                      ///< transmission between command and joint
+  double scale = 1.0;               ///< Mechanism::scale()
 };
 
 /// Return options for a device. Realtime: yes.
@@ -54,7 +55,7 @@ class PositionControlRenderer final : public Renderer {
   ///
   /// - the number of encoder steps is outside 1 to kMaxJoints, or a step is not positive and finite;
   /// - a delay is outside 0 to kMaxLoopDelay, or delayLow is above delayHigh;
-  /// - the period is outside 1e-5 to 0.1 s;
+  /// - the period is outside 1e-5 to 0.1 s, or the scale is not positive and finite;
   /// - a number of the drive is negative or not finite, or a cable has no rotor;
   /// - at activate(): the period differs from `period`.
   explicit PositionControlRenderer(const PositionControlOptions& options);

@@ -30,6 +30,9 @@ class SceneMotion {
   /// Put all obstacles at their stated poses, at rest. Realtime: yes.
   void reset(const Scene& stated) noexcept;
 
+  /// Continue the motions of `old` among the obstacles that both scenes have (isSameObstacle()). Realtime: yes.
+  void takeOver(const SceneMotion& old) noexcept;
+
   /// Return how often a twist above 1 mm/s or 0.02 rad/s contradicted the poses since construction, once per tick and
   /// obstacle. ignoredObstacle() returns the last such obstacle, or -1. Realtime: yes.
   std::uint64_t ignoredTwists() const noexcept { return ignored_; }

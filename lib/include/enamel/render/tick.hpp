@@ -4,22 +4,19 @@
 #include <cstddef>
 #include <limits>
 
-#include "enamel/collision/contacts.hpp"
 #include "enamel/device/haptic_device.hpp"
 #include "enamel/render/drill.hpp"
 #include "enamel/render/frame.hpp"
 #include "enamel/render/guard.hpp"
 #include "enamel/render/renderer.hpp"
-#include "enamel/render/scene_motion.hpp"
+#include "enamel/render/tick_scene.hpp"
 
 namespace enamel {
 
-/// Margin of contact search, m. Obstacles farther from the tool than this are not contacts of a tick.
-inline constexpr double kContactMargin = 1e-3;
-
 /// The ticks of one device and one tool. The object owns the frame and all data that last from tick to tick. It refers
-/// to mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks; do not add any. A host
-/// may set their poses at every tick or at frame rate. SceneMotion computes the poses that a tick uses.
+/// to mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks. A host may set their
+/// poses at every tick or at frame rate. SceneMotion computes the poses that a tick uses. exchange() brings another
+/// scene.
 ///
 /// A tick has no new sample if Measurement::age is above 0 or the time stamp repeats. It then keeps kinematics and
 /// contacts of the last tick. The renderer predicts, and the drill does not cut. The guard accepts up to
@@ -53,6 +50,19 @@ class HapticTick {
   /// Return the attached bur, or null. Realtime: yes.
   Drill* drill() const noexcept { return drill_; }
 
+  /// Continue with another scene and tool from the next tick on. `other` then has the old ones. Obstacles that both
+  /// scenes have continue their motion (TickScene::takeOver()). The state is then that of the new scene. Realtime: yes.
+  void exchange(TickScene& other) noexcept;
+
+  /// Continue with another renderer, which was activated for the same period; it is reset. It must outlive the ticks.
+  /// Realtime: yes.
+  void select(Renderer& renderer) noexcept;
+
+  /// Add a wrench (W at the TCP, N and N m) to every tick's rendered torque: an effect of the application, such as
+  /// vibration. The renderer takes account of it also if the device does not report the torque. The guard limits the
+  /// sum. Not finite numbers count as zero. Realtime: yes.
+  void setEffect(const Vec6& wrench) noexcept { effect_ = wrench.allFinite() ? wrench : Vec6(Vec6::Zero()); }
+
   /// Continue after a fault: reset guard and renderer, and put obstacles at their stated poses. Realtime: yes.
   void reset() noexcept;
 
@@ -62,13 +72,13 @@ class HapticTick {
   /// Return the data of the last tick. Realtime: yes.
   const TickFrame& frame() const noexcept { return frame_; }
   const Guard& guard() const noexcept { return guard_; }
-  const Renderer& renderer() const noexcept { return renderer_; }
-  const SceneMotion& obstacles() const noexcept { return obstacles_; }
+  const Renderer& renderer() const noexcept { return *renderer_; }
+  const TickScene& scene() const noexcept { return scene_; }
 
   /// Save and load all state needed to continue bit for bit: stateSize() bytes, aligned as doubles, the renderer's
   /// last. The guard's record of past ticks and the attached drill are not part of it. A saved state becomes invalid
   /// when an obstacle is moved or changed. Bytes of an invalid state give the state after reset(). Realtime: yes.
-  std::size_t stateSize() const noexcept { return numbers() * sizeof(double) + renderer_.stateSize(); }
+  std::size_t stateSize() const noexcept { return numbers() * sizeof(double) + renderer_->stateSize(); }
   void saveState(void* state) const noexcept;
   void loadState(const void* state) noexcept;
 
@@ -80,18 +90,18 @@ class HapticTick {
   Status sense(const Measurement& measurement) noexcept;
   Status findContacts(double time) noexcept;
   Status render(Status status) noexcept;
+  Status addEffect(Status status) noexcept;
   void cut(double elapsed) noexcept;
   void placeAt(const Pose& start) noexcept;
   std::size_t numbers() const noexcept;
 
   const Mechanism& mechanism_;
-  const Scene& scene_;
-  Tool tool_;
-  Renderer& renderer_;
+  TickScene scene_;
+  Renderer* renderer_;
   Guard guard_;
-  SceneMotion obstacles_;
-  ToolTrack track_;
   TickFrame frame_;
+  Vec6 effect_ = Vec6::Zero();
+  bool effectActed_ = false;    // at the last tick
   double sampleTime_ = kNever;  // of the last sample, s
   Drill* drill_ = nullptr;
 };

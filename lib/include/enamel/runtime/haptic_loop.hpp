@@ -33,10 +33,16 @@ struct LoopTick {
   double age = 0.0;  ///< age of the command: from the start of measure() to the end of actuate(), s
 };
 
+/// Fill in what a tick computed: pose, twist, requested torque, force, mode, reason. Realtime: yes.
+void describe(const HapticTick& haptics, LoopTick& tick) noexcept;
+
 /// Receiver of every tick of a loop, on the loop's thread.
 class TickSink {
  public:
   virtual ~TickSink() = default;
+
+  /// Called before each tick. It may change the measurement, for example `enabled`. Must be Realtime: yes.
+  virtual void before(Measurement& measurement) noexcept { (void)measurement; }
 
   /// Called after actuate(). `haptics` has the TickFrame with its output, and the guard. Must be Realtime: yes.
   virtual void tick(const LoopTick& tick, const HapticTick& haptics) noexcept = 0;

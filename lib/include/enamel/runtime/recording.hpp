@@ -35,6 +35,15 @@ struct RecordingHeader {
   std::size_t rendererState = 0;  ///< Renderer::stateSize(), bytes; a hash of the state is recorded at each tick
 };
 
+/// Name the renderer in a header (`plugin`: its file, or empty). Add the checksum of the files that the header only
+/// names: the meshes of the scene, and the file of the parameter `gain`. Throws Error if that file cannot be read.
+/// Realtime: no.
+void nameRenderer(const std::string& renderer, const std::string& plugin,
+                  const std::map<std::string, std::string>& parameters, const Scene& scene, RecordingHeader& header);
+
+/// Return whether one of these files has changed. Throws Error as nameRenderer(). Realtime: no.
+bool filesHaveChanged(const RecordingHeader& header, const Scene& scene);
+
 /// Return the CRC-32 of corners and triangles of all meshes of a scene; 0 without meshes. Realtime: no.
 std::uint32_t meshChecksum(const Scene& scene);
 

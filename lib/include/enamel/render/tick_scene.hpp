@@ -1,0 +1,50 @@
+// The surroundings of a tick: obstacles, their motion, the tool, and the tool's path among the obstacles.
+#pragma once
+
+#include <cstddef>
+
+#include "enamel/collision/contacts.hpp"
+#include "enamel/render/scene_motion.hpp"
+
+namespace enamel {
+
+/// Margin of contact search, m. Obstacles farther from the tool than this are not contacts of a tick.
+inline constexpr double kContactMargin = 1e-3;
+
+/// The scene and the tool of a tick. Make one outside the ticks; HapticTick::exchange() puts it into use in one tick.
+class TickScene {
+ public:
+  /// `scene` must outlive this object. Throws Error as makeToolTrack(). Realtime: no.
+  TickScene(const Scene& scene, const Tool& tool);
+
+  /// Return the scene with its obstacles where the last tick had them, and the tool. Realtime: yes.
+  const Scene& scene() const noexcept { return motion_.scene(); }
+  const Tool& tool() const noexcept { return tool_; }
+  const SceneMotion& motion() const noexcept { return motion_; }
+
+  /// Move the obstacles to `time`, s, and find the contacts of the tool at a pose. Statuses as followContacts().
+  /// Realtime: yes.
+  [[nodiscard]] Status findContacts(const Pose& pose, double time, ContactSnapshot& contacts) noexcept;
+
+  /// Continue the motions of `old` among the obstacles that both have (isSameObstacle()), and the path of the tool if
+  /// it is the same. A new obstacle is at rest at its stated pose. `old` may afterwards only be destroyed. Realtime:
+  /// yes.
+  void takeOver(TickScene& old) noexcept;
+
+  /// Put the obstacles at their stated poses, at rest. forgetPath() forgets the path of the tool. Realtime: yes.
+  void reset() noexcept { motion_.reset(*stated_); }
+  void forgetPath() noexcept { track_.reset(motion_.scene()); }
+
+  /// Save and load the path of the tool as stateSize() numbers. loadState() also resets the obstacles. Realtime: yes.
+  std::size_t stateSize() const noexcept { return track_.stateSize(); }
+  void saveState(double* state) const noexcept { track_.saveState(motion_.scene(), state); }
+  void loadState(const double* state) noexcept;
+
+ private:
+  const Scene* stated_;  // its poses and twists are where the obstacles shall go
+  Tool tool_;
+  SceneMotion motion_;
+  ToolTrack track_;
+};
+
+}  // namespace enamel

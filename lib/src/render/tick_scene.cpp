@@ -1,0 +1,37 @@
+#include "enamel/render/tick_scene.hpp"
+
+#include <utility>
+
+namespace enamel {
+namespace {
+
+bool isSame(const Tool& a, const Tool& b) noexcept {
+  if (a.count != b.count) return false;
+  for (int k = 0; k < a.count; ++k) {
+    const ToolPart& p = a.parts[static_cast<std::size_t>(k)];
+    const ToolPart& q = b.parts[static_cast<std::size_t>(k)];
+    if (p.a != q.a || p.b != q.b || p.radius != q.radius) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+TickScene::TickScene(const Scene& scene, const Tool& tool)
+    : stated_(&scene), tool_(tool), motion_(scene), track_(makeToolTrack(scene, tool)) {}
+
+Status TickScene::findContacts(const Pose& pose, double time, ContactSnapshot& contacts) noexcept {
+  return followContacts(motion_.follow(*stated_, time), tool_, pose, kContactMargin, track_, contacts);
+}
+
+void TickScene::takeOver(TickScene& old) noexcept {
+  motion_.takeOver(old.motion_);
+  if (isSame(tool_, old.tool_)) track_.takeOver(old.track_, old.motion_.scene(), motion_.scene());
+}
+
+void TickScene::loadState(const double* state) noexcept {
+  reset();
+  track_.loadState(motion_.scene(), state);
+}
+
+}  // namespace enamel

@@ -1,0 +1,151 @@
+// The parts of a session and the threads that use them.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "enamel/core/spsc_ring.hpp"
+#include "enamel/runtime/triple_buffer.hpp"
+#include "enamel/session/session.hpp"
+#include "session/work_queue.hpp"
+#include "session/world.hpp"
+
+namespace enamel {
+namespace session {
+
+/// Cuts of one session on their way to another one that shares the obstacles.
+struct SharedCuts {
+  struct Cut {
+    std::uint32_t revision = 0;  // of the obstacle
+    SolidCut cut;
+  };
+  SpscRing<Cut, 4096> ring;
+  Cut next;  // of the receiving loop; waits while this loop does not have the revision yet
+  bool isWaiting = false;
+};
+
+/// Obstacles that one or more sessions share. Callers hold the mutex; no loop does.
+struct Group {
+  std::mutex mutex;
+  Obstacles obstacles;
+  std::uint32_t lastGeneration = 0;  // or revision
+  double maxForce = kUnlimited;      // of the scene file, N
+  std::vector<Session::Impl*> members;
+};
+
+/// A part of the tool that touches an obstacle.
+struct Touch {
+  ObstacleId obstacle;
+  int part = 0;
+  double last = 0.0;     // time of the last contact, s
+  double impulse = 0.0;  // at the hand, N s
+  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
+};
+
+}  // namespace session
+
+struct Session::Impl final : TickSink {
+  /// A renderer, and its names in a recording's header.
+  struct RendererChoice {
+    std::unique_ptr<Renderer> renderer;
+    std::string name, plugin;
+    std::map<std::string, std::string> parameters;
+  };
+
+  explicit Impl(const SessionDef& def);
+  ~Impl() override;
+
+  // Callers, with the group's mutex; choose() and select() without.
+  template <typename Function>
+  void post(Function function) {
+    queue.post(std::move(function), isLive() && std::this_thread::get_id() != ownThread);
+  }
+  std::unique_lock<std::mutex> lock() const;
+  bool isLoop() const noexcept { return loopThread.load(std::memory_order_relaxed) == std::this_thread::get_id(); }
+  bool isLive() const noexcept { return live.load(std::memory_order_acquire); }
+  void requireRoom();
+  void join(const SessionDef& def);
+  void leave() noexcept;
+  void awaitLoop() const;
+  void enter(std::unique_ptr<session::World> next);
+  std::size_t slotOf(ObstacleId id) const;
+  void changeObstacles(session::Obstacles next);
+  RendererChoice choose(const std::string& name, const std::map<std::string, std::string>& parameters) const;
+  void select(RendererChoice next);
+  void goLive();
+
+  // The loop.
+  void before(Measurement& measurement) noexcept override;
+  void tick(const LoopTick& tick, const HapticTick& haptics) noexcept override;
+  bool exists(ObstacleId id) const noexcept;
+  double scale() const noexcept { return mapped ? mapped->scale() : 1.0; }
+  void setEffect(const Vec6& wrench) noexcept;
+  void spin(bool on) noexcept;
+  void endRecording() noexcept;
+  void stray() noexcept;
+  void applySharedCuts() noexcept;
+  void moveBase(const TickFrame& frame) noexcept;
+  void countTime(const LoopTick& tick) noexcept;
+  void watchContacts(const LoopTick& tick, const TickFrame& frame) noexcept;
+  void watchDevice(const LoopTick& tick) noexcept;
+  void watchCuts(const LoopTick& tick) noexcept;
+  void sendEvent(SessionEvent event) noexcept;
+  void publish(const LoopTick& tick, const TickFrame& frame) noexcept;
+
+  // Constant after construction.
+  SessionDef def;
+  std::shared_ptr<const Mechanism> device;
+  std::shared_ptr<MappedMechanism> mapped;  // null: the frames are the same
+  double period = 1e-3;
+  std::vector<std::string> notes;
+  Pose start;  // of the tool in the scene
+  std::string deviceText, sceneText;
+
+  // Callers, with the group's mutex.
+  std::shared_ptr<session::Group> group;
+  session::SessionTool tool_;
+  session::OwnSolids solids;  // of the newest world
+  RendererChoice choice;      // the newest; without a name: an own object
+  mutable session::WorkQueue queue;
+  std::unique_ptr<Recorder> recorder;
+  std::unique_ptr<HapticDevice> owned;  // of start(); may be null
+  std::unique_ptr<HapticLoop> loop;
+  std::atomic<bool> live{false};    // a loop runs
+  std::atomic<bool> strays{false};  // ticks depend on what a recording does not contain
+  bool hasRun = false;
+  std::atomic<bool> isThreaded{false};        // between start() and stop()
+  std::atomic<std::thread::id> loopThread{};  // of start(); none in an own loop
+  std::thread::id ownThread;                  // of tick()
+
+  // The loop.
+  std::unique_ptr<session::World> world;
+  std::unique_ptr<HapticTick> haptics;
+  Recorder* recording = nullptr;
+  bool enabled = true, clutch = false, clutched = false, spins = false;
+  bool isFrozen = false;  // the tool is held in the scene by moving the base
+  Vec3 frozen = Vec3::Zero();
+  LoopTick ownTick;              // of tick()
+  std::uint64_t tickNumber = 0;  // of the last tick
+  double tickTime = 0.0;         // s
+  std::array<session::Touch, 16> touches;
+  std::size_t touching = 0;
+  GuardReason fault = GuardReason::none;
+  bool isLost = false;
+  double lastTime = -1.0, lastCut = 0.0;  // s
+  std::uint64_t missed = 0, held = 0, dropped = 0, lostCuts = 0;
+  RemovedVolume removed{}, unsent{};
+  ObstacleId cutObstacle;
+  std::vector<std::shared_ptr<session::SharedCuts>> outboxes, inboxes;  // fixed while a loop runs
+
+  // Between the loop and the callers.
+  SpscRing<SessionEvent, 1024> events;
+  mutable TripleBuffer<Snapshot> snapshots;
+};
+
+}  // namespace enamel
