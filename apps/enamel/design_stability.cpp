@@ -53,7 +53,7 @@ void print(const Device& device) {
                  kScopes[s] == Scope::quiet ? "without jumps" : "and with jumps",
                  device.loops[d].radius({}, kScopes[s]), fmt::format("{:.2f} to {:.2f}", mass.low, mass.high),
                  device.hasCables() ? fmt::format("{:.3f} to {:.3f}", cable.low, cable.high) : "",
-                 fmt::format("{:.2f} to {:.2f}", delay.low, delay.high));
+                 fmt::format("{:.3f} to {:.3f}", delay.low, delay.high));
     }
 }
 
@@ -107,7 +107,7 @@ void addMaps(Svg& svg, const Device& device, const Axis& mass, std::size_t error
         const Level* line = &levels[(d * kRows + static_cast<std::size_t>(row)) * kColumns];
         while (to < kColumns && line[to] == line[from]) ++to;
         if (line[from] != impossible)
-          svg.box({corner.x + from * cell, corner.y + (kRows - 1 - row) * height}, (to - from) * cell, height + 0.2,
+          svg.box({corner.x + from * cell, corner.y + (kRows - 1 - row) * height}, (to - from) * cell, height + 0.5,
                   kColours[line[from]]);
       }
     Axis y = other;

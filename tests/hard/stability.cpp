@@ -419,7 +419,7 @@ TEST_CASE("an impossible error has no linear loop", "[hard]") {
                     "stability: the factor of a mass or a cable is 0, must be positive");
   CHECK_THROWS_WITH(loop.radius({1.0, 1.0, -1.5}, Scope::quiet),
                     "stability: the delay is -0.5 ticks, must be in 0 to 16");
-  CHECK_THROWS_WITH(loop.matrix({}, 18), "stability: the number of cases is at most 18");
+  CHECK_THROWS_WITH(loop.matrix({}, 18), "stability: case 18 is unknown, must be below 18");
 }
 
 TEST_CASE("far outside of the stable set loops are lost", "[hard]") {

@@ -33,8 +33,8 @@ struct LinearCase {
   bool jumps;   ///< the observer assumes that the push jumps in every tick
 };
 
-/// The linear closed loops of position control at home, at walls across x, y and z. The pushes are light, the hand step
-/// F_h, and half of the motors' largest force (at least F_h). Immutable; threads may share it.
+/// The linear closed loops of position control at home, at walls across x, y and z. Each wall has three pushes: light,
+/// the hand step F_h, and half of the motors' largest force (at least F_h). Immutable; threads may share it.
 class LinearLoop {
  public:
   /// The renderer assumes the device of the file, and `delay` ticks of `period` s. Throws Error as makeMechanism() and
