@@ -283,7 +283,8 @@ const Drive& LinearLoop::drive() const noexcept { return loops_.front()->drive()
 
 MatrixXd LinearLoop::matrix(const DeviceErrors& errors, std::size_t index) const {
   constexpr double kLatest = 16.0;  // ticks
-  require(index < cases_.size(), "stability: case " + std::to_string(index) + " is unknown, must be below " + std::to_string(cases_.size()));
+  require(index < cases_.size(),
+          "stability: case " + std::to_string(index) + " is unknown, must be below " + std::to_string(cases_.size()));
   for (const double factor : {errors.mass, errors.cable})
     require(factor > 0.0 && std::isfinite(factor),
             "stability: the factor of a mass or a cable is " + formatNumber(factor) + ", must be positive");
