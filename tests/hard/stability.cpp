@@ -120,7 +120,6 @@ struct Setup {
   bool isExact = false;      // encoders
   bool guardsEnergy = true;  // the guard limits the energy that the tool receives
   std::uint64_t seed = 1;
-  std::uint32_t run = 0;
 };
 
 // Position control at a wall through home.
@@ -137,7 +136,6 @@ class Loop {
     setup.delay = {whole, whole};
     setup.encoders = {!s.isExact, s.isExact ? RateSource::exact : RateSource::difference};
     setup.seed = s.seed;
-    setup.run = s.run;
     device_.emplace(makePlant(s, setup), setup);
     driver_.emplace(*device_);
     renderer_.emplace(positionControlFor(*model_, kPeriod, s.delay, s.delay));
@@ -158,10 +156,9 @@ class Loop {
       return wrench;
     };
     constexpr double kLost = 0.02;  // m, as in a wall design
-    const DeviceState before = device_->state();
+    const DeviceState before = device_->state(), &now = device_->state();
     const double time = device_->time();
     if (device_->advance(hand) != Status::ok) return false;
-    const DeviceState& now = device_->state();
     given_ +=
         0.5 * kPeriod *
         (hand(time, before.pose(), before.twist).dot(before.twist) + hand(time, now.pose(), now.twist).dot(now.twist));
@@ -178,7 +175,6 @@ class Loop {
   double budget() const { return tick_->guard().options().energy; }
   double gap() const { return normal_.dot(device_->state().position); }
   GuardReason reason() const { return body_->tick().reason; }
-  const LoopTick& tick() const { return body_->tick(); }
   double mass() const { return renderer_->state().mass; }
   const Mechanism& model() const { return *model_; }
   // Change the device between two ticks; the delay by less than a tick.
@@ -200,7 +196,7 @@ class Loop {
       setup.jitter = i.jitter;
       setup.lostSamples = i.lostSamples;
     });
-    ImperfectDevice built = makeImperfectDevice(device, s.seed, s.run);
+    ImperfectDevice built = makeImperfectDevice(device, s.seed);
     built.mechanism = std::make_shared<Heavier>(built.mechanism, errors_.mass);
     return std::make_unique<Late>(std::make_unique<ImperfectPlant>(std::move(built)), part_);
   }
@@ -282,7 +278,7 @@ struct Outcome {
   bool isLost = false;
   GuardReason reason = GuardReason::none;
   double deepest = 0.0, highest = 0.0;  // m, after the step
-  double received = 0.0, budget = 0.0;  // J: largest rise of the energy that the links received; of the guard
+  double received = 0.0, budget = 0.0;  // J: largest rise of Loop::received(); of the guard
 };
 
 // A hand touches the wall, pushes and trembles.
@@ -410,8 +406,7 @@ TEST_CASE("the linear loop predicts how a small deviation of a simulated loop de
     });
     REQUIRE(found != cases.end());
     const double predicted = spectralRadius(linear.matrix(s.errors, static_cast<std::size_t>(found - cases.begin())));
-    INFO(row.device << ", delay " << row.delay << ", mass " << s.errors.mass << ", cable " << s.errors.cable
-                    << ", delay error " << s.errors.delay);
+    INFO(row.device << ", delay " << row.delay << ", mass " << s.errors.mass << ", cable " << s.errors.cable);
     CHECK(measuredRadius(s, row.push, row.late) == Approx(predicted).margin(0.012));
     least = std::min(least, predicted);
     most = std::max(most, predicted);
@@ -483,16 +478,14 @@ TEST_CASE("random loops with errors in the stable set", "[hard]") {
         ++byJumps;
         continue;
       }
-      // Explanation 2: a false alarm of the guard. Coarse encoders make the torque chatter. The chatter shakes rotors
-      // and cables, and the guard counts this energy as energy of the tool. The tool received less than the budget, and
-      // without the stop it stays at the wall.
-      const std::uint64_t number = test::seed() * 1000000 + i;
+      // Explanation 2: a false alarm of the guard, which counts energy of shaken rotors and cables as energy of the
+      // tool. The tool received less than the budget, and without the stop it stays at the wall.
       INFO("ENAMEL_SEED=" << test::seed() << ", loop " << i << ": " << textOf(o));
       CHECK(o.reason == GuardReason::energy);
       CHECK(o.received < o.budget);
       Setup free = o.setup;
       free.guardsEnergy = false;
-      const Outcome chatter = outcomeOf(free, number);
+      const Outcome chatter = outcomeOf(free, test::seed() * 1000000 + i);
       CHECK_FALSE(chatter.isLost);
       CHECK(std::max(chatter.deepest, chatter.highest) < kChatter);
       ++alarms[nameOf(o.setup.device) + ", delay " + std::to_string(o.setup.delay)];
