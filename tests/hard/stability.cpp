@@ -26,7 +26,6 @@
 #include "support/run_length.hpp"
 
 namespace enamel::test_stability {
-
 namespace {
 
 constexpr double kPeriod = 1e-3;
