@@ -10,6 +10,7 @@
 #include "design_file.hpp"
 #include "design_results.hpp"
 #include "design_rivals.hpp"
+#include "design_stability.hpp"
 #include "enamel/control/tuning.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
@@ -26,7 +27,7 @@ namespace {
 constexpr int kLargestDelay = 3;
 
 struct DesignOptions {
-  std::string device, output, impedanceMap;
+  std::string device, output, impedanceMap, stability;
   double rate = 1000.0;
   ServoWeights weights;
   std::vector<double> at{0.0, 0.0, 0.0};
@@ -195,10 +196,17 @@ void run(DesignOptions options) {
     if (!options.output.empty()) writeFile(options.output, file);
     return;
   }
+  const int threads = options.search.threads == 0 ? availableThreads() : options.search.threads;
+  const bool writesOthers = !options.output.empty() || options.tune;
+  if (!options.stability.empty()) {
+    writeFile(options.stability,
+              printStability(loadDevice(options.device), 1.0 / options.rate, kLargestDelay, threads));
+    if (options.impedanceMap.empty() && !writesOthers) return;
+  }
   const Device device = makeDevice(options);
   if (!options.impedanceMap.empty()) {
     writeImpedanceMap(options, device);
-    if (options.output.empty() && !options.tune) return;
+    if (!writesOthers) return;
   }
   ServoDesign design;
   if (options.tune) {
@@ -212,9 +220,8 @@ void run(DesignOptions options) {
   } else {
     design = designServo(device.problem.plant, device.problem.period, options.weights);
   }
-  if (options.output.empty() && !options.tune)
-    printExpectation(expectWall(device.parameters, device.problem.period, kLargestDelay,
-                                options.search.threads == 0 ? availableThreads() : options.search.threads),
+  if (!writesOthers)
+    printExpectation(expectWall(device.parameters, device.problem.period, kLargestDelay, threads),
                      device.problem.period,
                      dampingAlong(*device.mechanism, device.mechanism->home().pose, Vec3::UnitZ()));
   const DesignedServo servo = measure(options, device, design);
@@ -245,6 +252,8 @@ void addServoOptions(CLI::App& command, DesignOptions& options) {
   command.add_flag("--step-response", options.required.stepResponse,
                    "--tune: the servo to write meets the step-reference rows of Table II");
   command.add_option("--impedance-map", options.impedanceMap, "file for the stability map of impedance walls (CSV)");
+  command.add_option("--stability", options.stability,
+                     "file for maps of the device errors at which position control is stable (SVG); prints them too");
   command.add_option("--force", options.push, "force of the push for the reported first impact, N")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -293,7 +302,9 @@ void addDesign(CLI::App& app) {
       "paper's servo for the device (the renderer hold): linearisation, zero-order hold, Riccati equation,\nmargins "
       "and Table II.\n--output writes the design (JSON: models, K, P, poles, margins, requirements) for --gain of push "
       "and study.\n--tune searches the weights and prints the stiffest servo for each delay; with --output, it writes "
-      "that of --delay.\n--impedance-map writes which impedance walls are stable (CSV).");
+      "that of --delay.\n--impedance-map writes which impedance walls are stable (CSV).\n--stability prints and draws "
+      "at which errors of "
+      "mass, cables and delay position control is stable.");
   command->add_option("--device", options->device, "device file (TOML)")->required();
   command->add_option("--output", options->output, "file for the design (JSON)");
   addServoOptions(*command, *options);
@@ -304,7 +315,7 @@ void addDesign(CLI::App& app) {
               "; with --rivals 2.5 % of the weakest motor)")
       ->check(CLI::PositiveNumber);
   addSearchOptions(*command, *options);
-  addOverwrite(*command, options->overwrite, {"--output", "--impedance-map"});
+  addOverwrite(*command, options->overwrite, {"--output", "--impedance-map", "--stability"});
   command->callback([options] { run(*options); });
 }
 

@@ -159,7 +159,7 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
       {"design " + device() + "--impedance-map ", "map.csv"},
       {"evaluate " + device() + "--input '" + rows + "' --output ", "evaluate.json"},
       {"mesh --generate molar --output ", "molar.ply"},
-      {"bench --filter 'scene plane' --scale 0.01 --report ", "bench.md"},
+      {"bench --filter device --scale 0.01 --report ", "bench.md"},
       {"fmu " + device() + "--output ", "unit.fmu"},
   };
   for (const auto& [command, name] : writers) {

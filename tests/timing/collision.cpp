@@ -4,11 +4,12 @@
 
 #include "bench/measurement.hpp"
 #include "support/catch.hpp"
+#include "support/run_length.hpp"
 
 namespace enamel::test_collision {
 
 TEST_CASE("speed against error of the collision module", "[timing]") {
-  const auto rows = bench::measureCollision(0.1);
+  const auto rows = bench::measureCollision(test::longRun() ? 0.1 : 0.02);
   REQUIRE_FALSE(rows.empty());
   for (const auto& row : rows) {
     std::printf("%-60s %9.4f us  p99 %9.4f us  error %.1e (%s)\n", row.name.c_str(), row.median_us, row.p99_us,

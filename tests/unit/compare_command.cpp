@@ -11,6 +11,7 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/run_length.hpp"
 #include "support/text.hpp"
 #include "support/xml.hpp"
 
@@ -169,8 +170,8 @@ TEST_CASE("compare: a model with the wrong inertia reaches the pushes too", "[co
 TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[compare_command]") {
   const test::TemporaryFolder folder;
   const std::string small = "compare --device '" + test::deviceFile("tau-detailed.toml") + "' --tuned '" +
-                            tunedValues(folder) +
-                            "' --delays none,constant:2 --grid 1 --runs 2 --scenario 1 "
+                            tunedValues(folder) + "' --delays none,constant:2 --grid 1 --runs 2 --scenario 1 " +
+                            (test::longRun() ? "" : "--tasks push,release ") +  // otherwise all five
                             "--renderers position-control,tuned:impedance,tuned:hold-delay,impedance-edge,impedance ";
   const auto compare = [&](const std::string& name, const std::string& more) {
     return run(small + "--output '" + (folder / name) + "' " + more);

@@ -5,6 +5,7 @@
 #include "enamel/control/servo_file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/study/controllers.hpp"
+#include "enamel/study/stability.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/control_systems.hpp"
@@ -74,11 +75,19 @@ TEST_CASE("design without a file to write prints its report", "[design]") {
         "disk margin: ", "delay: stable up to 1 samples", "first impact, 12 N: ", "q6 ", "Table II", "NOT MET",
         "Position control, estimated from 12 simulated pushes", "twice the rate: +", "passive spring"})
     CHECK_THAT(report.output, test::ContainsSubstring(part));
+  // With a file the report is the same, without the simulated pushes, which take nearly all of its time.
+  const test::TemporaryFolder folder;
+  const auto summary = [&](const std::string& options) {
+    return run(design(options + " --overwrite --output '" + (folder / "servo.json") + "'")).output;
+  };
+  const std::string plain = summary("");
+  CHECK_THAT(plain, test::ContainsSubstring("Table II"));
+  CHECK_THAT(report.output, test::ContainsSubstring(plain));
   // The model is linear: the stiffness is that of any push, its limit falls with the push, and no push may exceed the
   // motors.
-  CHECK_THAT(run(design("--force 50")).output, test::ContainsSubstring("first impact, 50 N: "));
-  CHECK_THAT(run(design("--force 100")).output, test::ContainsSubstring("the motors cannot hold the push"));
-  CHECK(run(design("--device-damping 4")).output != report.output);
+  CHECK_THAT(summary("--force 50"), test::ContainsSubstring("first impact, 50 N: "));
+  CHECK_THAT(summary("--force 100"), test::ContainsSubstring("the motors cannot hold the push"));
+  CHECK(summary("--device-damping 4") != plain);
 }
 
 TEST_CASE("design takes other weights, rates and places", "[design]") {
@@ -128,6 +137,37 @@ TEST_CASE("design writes the stability map of the impedance wall", "[design]") {
   CHECK(passive < rows);
   CHECK(passiveAndUnstable == 0);
   CHECK_THAT(result.output, test::ContainsSubstring("mechanical damping 4 N s/m"));
+}
+
+TEST_CASE("design --stability prints and draws the errors at which position control is stable", "[design]") {
+  const test::TemporaryFolder folder;
+  const auto result = run("design --device '" + test::deviceFile("cartesian-6.toml") + "' --rate 500 --stability '" +
+                          (folder / "map.svg") + "'");
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  const LinearLoop loop(loadDevice(test::deviceFile("cartesian-6.toml")), 2e-3, 1);
+  std::istringstream lines(result.output);
+  std::string line;
+  int rows = 0;
+  while (std::getline(lines, line)) {
+    int delay = 0;
+    double radius = 0.0, low = 0.0, high = 0.0;
+    const std::size_t jumps = line.find(" jumps ");
+    if (jumps == std::string::npos || std::sscanf(line.c_str(), "%d", &delay) != 1) continue;
+    REQUIRE(std::sscanf(line.c_str() + jumps, " jumps %lf %lf to %lf", &radius, &low, &high) == 3);
+    ++rows;
+    if (delay != 1) continue;
+    const Scope scope = line.find("without") == std::string::npos ? Scope::all : Scope::quiet;
+    const StableRange range = stableRange(loop, &DeviceErrors::mass, scope);
+    CHECK(radius == Approx(loop.radius({}, scope)).margin(5.1e-4));
+    CHECK(low == Approx(range.low).margin(5.1e-3));
+    CHECK(high == Approx(range.high).margin(5.1e-3));
+  }
+  CHECK(rows == 8);
+  const std::string picture = test::readFile(folder / "map.svg");
+  for (const char* text : {"<svg", "delay 0", "delay 3", "mass over the file's", "delay error, ticks"})
+    CHECK_THAT(picture, test::ContainsSubstring(text));
+  CHECK_THAT(picture, !test::ContainsSubstring("cable"));
 }
 
 TEST_CASE("design --rivals tunes every controller at every delay, and study takes its file", "[design]") {

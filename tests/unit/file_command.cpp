@@ -39,8 +39,9 @@ std::size_t filesIn(const std::string& folder) {
 
 TEST_CASE("a full disk is told, and what was there stays", "[file_command]") {
   const test::TemporaryFolder folder;
-  for (const std::string& command : {std::string("mesh '" ENAMEL_SOURCE_DIR "/data/meshes/molar.ply'"),
-                                     std::string("design --help"), std::string("plugins"), kPush, "design " + kDevice})
+  for (const std::string& command :
+       {std::string("mesh '" ENAMEL_SOURCE_DIR "/data/meshes/molar.ply'"), std::string("design --help"),
+        std::string("plugins"), kPush, "design " + kDevice + "--output '" + (folder / "servo.json") + "'"})
     refused("{ " + kTool + command + " >/dev/full; }", "cannot write to the standard output: No space left on device");
 
   test::writeFile(

@@ -91,22 +91,19 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
   REQUIRE(run(study(folder, "other", kSmall + "--seed 2")).status == 0);
   CHECK(file(folder, "other", "runs.csv") != runs);
 
-  const std::string longer = "--renderers position-control --scenario 1 --grid 3 --runs 8";
-  REQUIRE(run(study(folder, "whole", longer)).status == 0);
-  const std::string whole = file(folder, "whole", "runs.csv");
   for (const char* signal : {"INT", "TERM", "KILL"}) {
     const std::string name = std::string("cut-") + signal;
     test::CommandResult cut;
     std::string left;
     for (int attempt = 0; attempt < 20; ++attempt) {  // until the signal comes before the end
       std::filesystem::remove_all(folder / name);
-      cut = interrupted(study(folder, name, longer), folder / (name + "/runs.csv"), 2000, signal);
+      cut = interrupted(study(folder, name, kSmall + "--threads 2"), folder / (name + "/runs.csv"), 2000, signal);
       left = file(folder, name, "runs.csv");
-      if (left.size() < whole.size()) break;
+      if (left.size() < runs.size()) break;
     }
     INFO(cut.output);
-    REQUIRE(left.size() < whole.size());
-    CHECK(left == whole.substr(0, left.size()));
+    REQUIRE(left.size() < runs.size());
+    CHECK(left == runs.substr(0, left.size()));
     CHECK_FALSE(std::filesystem::exists(folder / (name + "/report.html")));
     if (signal != std::string("KILL")) {
       CHECK(cut.status == (signal == std::string("INT") ? 130 : 143));
@@ -114,20 +111,20 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
       CHECK(left.back() == '\n');
     }
     // Without --resume, nothing is discarded.
-    const auto forgotten = run(study(folder, name, longer));
+    const auto forgotten = run(study(folder, name, kSmall));
     CHECK(forgotten.status == 1);
     CHECK(forgotten.output.find("runs.csv: exists; --resume continues it, --overwrite replaces it") !=
           std::string::npos);
     CHECK(file(folder, name, "runs.csv") == left);
     // Another study cannot continue in its place.
-    const auto mixed = run(study(folder, name, longer + " --resume --seed 9"));
+    const auto mixed = run(study(folder, name, kSmall + "--resume --seed 9"));
     CHECK(mixed.status == 1);
     CHECK(mixed.output.find("holds another study: its seed is 1, here it is 9") != std::string::npos);
     CHECK(file(folder, name, "runs.csv") == left);
     // A torn line is removed.
     test::writeFile(folder / (name + "/runs.csv"), left + "1,position-con");
-    REQUIRE(run(study(folder, name, longer + " --resume --threads 1")).status == 0);
-    CHECK(file(folder, name, "runs.csv") == whole);
+    REQUIRE(run(study(folder, name, kSmall + "--resume --threads 1")).status == 0);
+    CHECK(file(folder, name, "runs.csv") == runs);
     CHECK(std::filesystem::exists(folder / (name + "/report.html")));
   }
   // A finished study can be resumed, or repeated on request.
@@ -347,8 +344,9 @@ TEST_CASE("study: a plugin is called a plugin, and does what the linked renderer
 
 TEST_CASE("study: a device of three joints", "[study_command]") {
   const test::TemporaryFolder folder;
-  const auto result =
-      run(study(folder, "delta", "--device '" + test::deviceFile("delta.toml") + "' --grid 3 --runs 3"));
+  const auto result = run(
+      study(folder, "delta",
+            "--device '" + test::deviceFile("delta.toml") + (kLong ? "' --grid 3 --runs 3" : "' --grid 2 --runs 2")));
   INFO(result.output);
   REQUIRE(result.status == 0);
   const auto summary = test::parseJson(file(folder, "delta", "summary.json"));
@@ -559,9 +557,8 @@ TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_comma
 }
 
 TEST_CASE("study: numbers of the report are rounded to their intervals, and no line breaks inside", "[study_command]") {
-  const test::TemporaryFolder folder;
-  REQUIRE(run(study(folder, "numbers", "--grid 2 --runs 4")).status == 0);
-  const std::string report = file(folder, "numbers", "report.html");
+  REQUIRE(wholeStudy().result.status == 0);
+  const std::string report = file(wholeStudy().folder, "all", "report.html");
   const std::string tables = report.substr(report.find("<table>"));
   const std::regex pair("([0-9\u00a0]+)(\\.([0-9]+))?\u00a0±\u00a0([0-9\u00a0]+)(\\.([0-9]+))?");
   int pairs = 0;
@@ -602,7 +599,8 @@ TEST_CASE("study: numbers of the report are rounded to their intervals, and no l
 
 TEST_CASE("study: convergence finds the default", "[study_command]") {
   const test::TemporaryFolder folder;
-  const auto result = run(convergingStudy(folder, "speed", "--convergence --renderers hold,impedance --grid 3"));
+  const auto result = run(convergingStudy(
+      folder, "speed", "--convergence --renderers hold,impedance --grid " + std::string(kLong ? "3" : "1")));
   INFO(result.output);
   REQUIRE(result.status == 0);
   CHECK(result.output.find("is Runge-Kutta 4 with 1 step a tick") != std::string::npos);

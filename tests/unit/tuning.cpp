@@ -4,6 +4,7 @@
 
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/margins.hpp"
+#include "enamel/core/error.hpp"
 #include "support/catch.hpp"
 #include "support/control_systems.hpp"
 #include "support/devices.hpp"
@@ -26,6 +27,13 @@ TEST_CASE("the paper's weights, evaluated") {
   CHECK(late->chatter == Approx(1.6).margin(0.1));
   CHECK(exact->chatter < 0.05);
   CHECK_FALSE(evaluateServo(problem, 2, ServoWeights{}));
+}
+
+TEST_CASE("a plant of wrong size is an error, not a servo that nothing meets") {
+  TuneProblem problem = nominalProblem();
+  problem.plant.B.conservativeResize(Eigen::NoChange, 5);
+  CHECK_THROWS_AS(evaluateServo(problem, 0, ServoWeights{}), DesignError);
+  CHECK_THROWS_AS(tuneServo(problem, TuneRequirements{}), DesignError);
 }
 
 TEST_CASE("the limit of the first impact, at home for 15 N") {

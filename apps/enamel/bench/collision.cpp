@@ -175,6 +175,7 @@ struct Workload {
   std::string size;
   std::shared_ptr<MeshModel> model;
   std::vector<Vec3> path, random;
+  int displacedCalls = 0;  // calls with other work between them, which takes longer than they
 };
 
 // In a simulator, graphics and physics run between two ticks and displace cached data. Touching 8 MB imitates them.
@@ -235,7 +236,7 @@ void measureNearest(const Workload& work, std::vector<Measurement>& rows) {
   atRandom.push_back([&](int i) { keep(embree.distance(work.random[i], false)); });
 #endif
   const std::vector<Timing> path = timeInTurns(count, warm, onPath), random = timeInTurns(count, warm, atRandom),
-                            cold = timeInTurns(500, 50, onPath, OtherWork());
+                            cold = timeInTurns(work.displacedCalls, work.displacedCalls / 10, onPath, OtherWork());
   double embreePath = std::numeric_limits<double>::quiet_NaN(), embreeRandom = embreePath, embreeCold = embreePath;
 #ifdef ENAMEL_BENCH_EMBREE
   const auto embreeDistance = [&](const Vec3& p) { return embree.distance(p, false); };
@@ -435,6 +436,7 @@ std::vector<Measurement> measureCollision(double scale) {
     work.model = std::make_shared<MeshModel>(app::makeJaw(along, around));
     work.path = hapticPath(*work.model, calls);
     work.random = randomPoints(inspect(work.model->mesh()), calls);
+    work.displacedCalls = std::clamp(static_cast<int>(5000 * scale), 100, 500);
     measureNearest(work, rows);
     if (along == 400) {
       measureOpen(work, rows);

@@ -1,4 +1,4 @@
-#include "enamel/control/servo_design.hpp"
+#include "control/servo_design.hpp"
 
 #include <cmath>
 #include <string>
@@ -26,14 +26,23 @@ StateSpace augmentWithIntegrals(const StateSpace& plant) {
   return augmented;
 }
 
+ServoDesign servoModels(const StateSpace& plant, double period) {
+  return {period, {}, plant, zeroOrderHold(augmentWithIntegrals(plant), period), {}, {}};
+}
+
 ServoDesign designServo(const StateSpace& plant, double period, const ServoWeights& weights) {
-  const Index n = plant.B.cols();
+  return designServo(servoModels(plant, period), weights);
+}
+
+ServoDesign designServo(const ServoDesign& models, const ServoWeights& weights) {
+  const Index n = models.plant.B.cols();
   for (const double weight : {weights.velocity, weights.position, weights.integral})
     if (!(weight >= 0.0 && std::isfinite(weight)))
       throw DesignError("servo design: a weight is negative or not finite");
   if (!(weights.torque > 0.0 && std::isfinite(weights.torque)))
     throw DesignError("servo design: the weight of the torque must be positive");
-  ServoDesign design{period, weights, plant, zeroOrderHold(augmentWithIntegrals(plant), period), {}, {}};
+  ServoDesign design = models;
+  design.weights = weights;
   VectorXd q(3 * n);
   q << VectorXd::Constant(n, weights.velocity), VectorXd::Constant(n, weights.position),
       VectorXd::Constant(n, weights.integral);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "control/servo_design.hpp"
 #include "core/message.hpp"
 #include "enamel/control/margins.hpp"
 #include "enamel/core/error.hpp"
@@ -31,12 +32,11 @@ bool keepsTo(const TuneProblem& problem, const TuneRequirements& requirements, c
 
 // As evaluateServo(). Also empty if the stiffness is not above `toBeat`, or the disk margin is below `leastMargin`.
 // Both are known long before the rest.
-std::optional<TunedServo> evaluate(const TuneProblem& problem, int delay, const ServoWeights& weights, double toBeat,
-                                   double leastMargin) {
-  requirePeriod(problem.period, "servo: ");
+std::optional<TunedServo> evaluate(const TuneProblem& problem, const ServoDesign& models, int delay,
+                                   const ServoWeights& weights, double toBeat, double leastMargin) {
   TunedServo servo;
   try {
-    servo.design = designServo(problem.plant, problem.period, weights);
+    servo.design = designServo(models, weights);
   } catch (const DesignError&) {
     return std::nullopt;  // these weights have no stabilising solution
   }
@@ -64,16 +64,19 @@ std::optional<TunedServo> evaluate(const TuneProblem& problem, int delay, const 
 }  // namespace
 
 std::optional<TunedServo> evaluateServo(const TuneProblem& problem, int delay, const ServoWeights& weights) {
-  return evaluate(problem, delay, weights, 0.0, 0.0);
+  requirePeriod(problem.period, "servo: ");
+  return evaluate(problem, servoModels(problem.plant, problem.period), delay, weights, 0.0, 0.0);
 }
 
 std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequirements& requirements) {
+  requirePeriod(problem.period, "servo: ");
+  const ServoDesign models = servoModels(problem.plant, problem.period);
   std::optional<TunedServo> best;
   LogWeights at{};
   const auto improve = [&](const LogWeights& candidate) {
     const double toBeat = best ? best->stiffness : 0.0;
     std::optional<TunedServo> servo =
-        evaluate(problem, requirements.delay, weightsOf(candidate), toBeat, requirements.diskMargin);
+        evaluate(problem, models, requirements.delay, weightsOf(candidate), toBeat, requirements.diskMargin);
     if (!servo || !keepsTo(problem, requirements, *servo)) return false;
     best = std::move(servo);
     at = candidate;

@@ -16,11 +16,11 @@ constexpr int kSubsteps = 16;  // of a tick: for integrals and for the middles o
 
 // x' = A x + B [u, force on the rotor, force on the link] of a mode. The held inputs are extra states.
 template <int kMech>
-Matrix<kMech + 6> continuous(const ModeData& d, double inertia) {
+Matrix<kMech + 6> continuous(const Drive& drive, double inertia) {
   constexpr int lag = kMech, push = kMech + 1, growth = kMech + 2, inputs = kMech + 3;
   Matrix<kMech + 6> A = Matrix<kMech + 6>::Zero();
   if constexpr (kMech == 4) {
-    const double J = d.drive.rotorInertia, k = d.drive.stiffness, b = d.drive.damping;
+    const double J = drive.rotorInertia, k = drive.stiffness, b = drive.damping;
     A(0, 1) = A(2, 3) = 1.0;
     A.row(1).template head<4>() << -k / J, -b / J, k / J, b / J;
     A.row(3).template head<4>() << k / inertia, b / inertia, -k / inertia, -b / inertia;
@@ -30,7 +30,7 @@ Matrix<kMech + 6> continuous(const ModeData& d, double inertia) {
     A(0, 1) = 1.0;
     A(1, lag) = A(1, push) = A(1, inputs + 1) = A(1, inputs + 2) = 1.0 / inertia;
   }
-  const double w = lagOf(d.drive);
+  const double w = lagOf(drive);
   A(lag, lag) = -w;
   A(lag, inputs) = w;
   A(push, growth) = 1.0;
@@ -61,7 +61,7 @@ void designGains(const Matrix<n>& a, const Matrix<n, 1>& b, const Matrix<n + 1>&
 template <int kMech>
 ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix<kMech + 1>& cost) {
   constexpr int push = kMech + 1, growth = kMech + 2, inputs = kMech + 3, link = kMech - 2, kAll = kMech + 6;
-  const Matrix<kAll> middle = exponential<kAll>(continuous<kMech>(d, inertia) * (0.5 * d.period / kSubsteps)),
+  const Matrix<kAll> middle = exponential<kAll>(continuous<kMech>(d.drive, inertia) * (0.5 * d.period / kSubsteps)),
                      step = middle.lazyProduct(middle);
   ModeModel<kMech> m = {};
   Matrix<kAll> power = Matrix<kAll>::Identity();
@@ -103,6 +103,17 @@ constexpr int kEntries = 415;  // up to 1e2
 }  // namespace
 
 double lagOf(const Drive& drive) noexcept { return 2.0 * M_PI * (drive.bandwidth > 0.0 ? drive.bandwidth : 1e5); }
+
+template <int kMech>
+ModeMotion<kMech> modeMotion(const Drive& drive, double inertia, double seconds) {
+  const Matrix<kMech + 6> whole = exponential<kMech + 6>(continuous<kMech>(drive, inertia) * seconds);
+  ModeMotion<kMech> motion;
+  for (int i = 0; i <= kMech; ++i) {
+    for (int j = 0; j <= kMech; ++j) motion.state[i][j] = whole(i, j);
+    motion.command[i] = whole(i, kMech + 3);
+  }
+  return motion;
+}
 
 template <int kMech>
 ModeTable<kMech>::ModeTable(const ModeData& data) {
@@ -148,6 +159,8 @@ std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data) {
   return kept.back().second;
 }
 
+template ModeMotion<2> modeMotion<2>(const Drive& drive, double inertia, double seconds);
+template ModeMotion<4> modeMotion<4>(const Drive& drive, double inertia, double seconds);
 template class ModeTable<2>;
 template class ModeTable<4>;
 template std::shared_ptr<const ModeTable<2>> modeTableOf<2>(const ModeData& data);

@@ -53,6 +53,14 @@ struct ModeModel {
   double gain[kMech + 1];                        ///< for mechanical states and lag
 };
 
+/// Motion of rotor, link and motor of a mode: x(t + seconds) = state x(t) + command u.
+template <int kMech>
+struct ModeMotion {
+  double state[kMech + 1][kMech + 1], command[kMech + 1];
+};
+template <int kMech>
+ModeMotion<kMech> modeMotion(const Drive& drive, double inertia, double seconds);
+
 /// ModeModel over ln(inertia), in even steps from 1e-7 to 1e2 kg m^2 or kg. Linear interpolation, accurate to 4e-4.
 template <int kMech>
 class ModeTable {

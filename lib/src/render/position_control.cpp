@@ -9,6 +9,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/render/friction.hpp"
 #include "render/contact_projection.hpp"
+#include "render/controlled_modes.hpp"
 #include "render/push_observer.hpp"
 
 namespace enamel {
@@ -49,6 +50,7 @@ class PositionControlRenderer::Controller {
   virtual StateBlock stateBlock() noexcept = 0;
   virtual void stateLoaded() noexcept = 0;
   virtual PositionControlState state() const noexcept = 0;
+  virtual ControlledModes modes() const noexcept = 0;
 };
 
 template <int kMech>
@@ -61,6 +63,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   StateBlock stateBlock() noexcept override { return {&memory_, sizeof memory_}; }
   void stateLoaded() noexcept override;
   PositionControlState state() const noexcept override;
+  ControlledModes modes() const noexcept override;
 
  private:
   using Observer = PushObserver<kMech>;
@@ -100,13 +103,12 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   };
   // The modes at the time when the command acts.
   struct alignas(64) Ahead {
-    States x, next;        // at that time, and a tick later without a force
-    States sensitivity;    // derivative of `next` by ln(mass), due to what acts from now on
-    Lane now;              // measured
-    Lane stiffness, lead;  // of the controller; seconds of speed in its prediction
-    Lane inertia;          // of link and rotor together
-    Lane wouldBe;          // place to which the hand would move the modes
-    double seconds;        // from the sample to that time
+    States x, next;      // at that time, and a tick later without a force
+    States sensitivity;  // derivative of `next` by ln(mass), due to what acts from now on
+    Lane now;            // measured
+    typename Observer::Law law;
+    Lane inertia;    // of link and rotor together
+    double seconds;  // from the sample to that time
   };
 
   Lane toModes(const JointRow& v) const noexcept;
@@ -163,6 +165,16 @@ PositionControlState PositionControlRenderer::ControllerOf<kMech>::state() const
   s.ignored = memory_.ignored;
   s.merged = memory_.merged;
   return s;
+}
+
+template <int kMech>
+ControlledModes PositionControlRenderer::ControllerOf<kMech>::modes() const noexcept {
+  const typename Observer::State& s = memory_.observer;
+  ControlledModes m{observer_.data(), joints_, memory_.step, {}, s.inertia, s.step, s.tremor, {}, {}};
+  std::memcpy(m.axes, memory_.axes, sizeof m.axes);
+  m.readingVariance = s.readingVariance;
+  m.largestStep = s.largestStep;
+  return m;
 }
 
 template <int kMech>
@@ -324,32 +336,16 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   for (int j = 0; j < joints_; ++j) reading[j] = frame.kinematics.q[j];
   a.now = toModes(reading);
   a.seconds = (delay_ + frame.age) * T;
-  a.stiffness.fill(1.0);
-  a.lead.fill(0.0);
+  observer_.law(a.x, joints_, a.law);
   a.inertia.fill(1.0);
-  a.wouldBe.fill(0.0);
-  for (int k = 0; k < joints_; ++k) {
-    const auto gain = [&](int i) { return observer_.gain(i)[k]; };
-    const double p = a.x[kPush][k] + 0.5 * T * a.x[kGrowth][k];
-    double asked = p + gain(0) * a.x[0][k] + gain(1) * a.x[1][k] + gain(kMech) * (a.x[kLag][k] + p);
-    double damping = gain(1);
-    a.stiffness[k] = gain(0);
-    if (kMech == 4) {
-      asked += gain(0) * p / options_.drive.stiffness + gain(2) * a.x[2][k] + gain(3) * a.x[3][k];
-      a.stiffness[k] += gain(2);
-      damping += gain(3);
-    }
-    a.wouldBe[k] = asked / a.stiffness[k];
-    a.lead[k] = damping / a.stiffness[k];
-    a.inertia[k] = s.inertia[k] * scale + options_.drive.rotorInertia;
-  }
+  for (int k = 0; k < joints_; ++k) a.inertia[k] = s.inertia[k] * scale + options_.drive.rotorInertia;
 }
 
 // Compliance of the controller along a row, m/N.
 template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::complianceOf(const Ahead& a, const Lane& row) const noexcept {
   double sum = 0.0;
-  for (int mode = 0; mode < joints_; ++mode) sum += row[mode] * row[mode] / a.stiffness[mode];
+  for (int mode = 0; mode < joints_; ++mode) sum += row[mode] * row[mode] / a.law.stiffness[mode];
   return sum;
 }
 
@@ -401,7 +397,7 @@ int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame
     double rate = 0.0, wouldBe = w.gap;
     for (int mode = 0; mode < joints_; ++mode) {
       rate += row[mode] * a.x[kLink + 1][mode];
-      wouldBe += row[mode] * (a.wouldBe[mode] - a.now[mode]);
+      wouldBe += row[mode] * (a.law.wouldBe[mode] - a.now[mode]);
     }
     const double along = std::sqrt(std::max(0.0, moves * moves - rate * rate));
     const double step = kTremorShare * m.step * soft + kFades * along * T;
@@ -425,12 +421,12 @@ int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const Ahead& a, W
     double next = w.gap - w.speed * (a.seconds + options_.period), gap = w.gap - w.speed * a.seconds, square = 0.0,
            inverse = 0.0, lead = 0.0;
     for (int k = 0; k < joints_; ++k) {
-      gap += t.row[k] * (a.wouldBe[k] - a.now[k]);
+      gap += t.row[k] * (a.law.wouldBe[k] - a.now[k]);
       next += t.row[k] * (a.next[kLink][k] - a.now[k]);
       inverse += t.row[k] * t.row[k] / a.inertia[k];
-      const double share = t.row[k] * t.row[k] / a.stiffness[k];
+      const double share = t.row[k] * t.row[k] / a.law.stiffness[k];
       square += share;
-      lead += share * a.lead[k];
+      lead += share * a.law.lead[k];
     }
     if (gap > 0.0 || !(square > 0.0) || next > near + reboundOf(memory_.step, 1.0 / inverse, readingStep(w.row)))
       w.holds = 0.0;
@@ -460,7 +456,7 @@ void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j <= i; ++j) {
       double v = 0.0;
-      for (int k = 0; k < joints_; ++k) v += targets[i].row[k] * targets[j].row[k] / a.stiffness[k];
+      for (int k = 0; k < joints_; ++k) v += targets[i].row[k] * targets[j].row[k] / a.law.stiffness[k];
       G[i][j] = G[j][i] = v / (targets[i].size * targets[j].size) + give;
     }
     G[i][i] += targets[i].compliance;
@@ -616,11 +612,11 @@ JointRow PositionControlRenderer::ControllerOf<kMech>::frictionOf(const TickFram
     const Lane first = toModes(row.tangent[0]), second = toModes(row.tangent[1]);
     double aa = 0.0, ab = 0.0, bb = 0.0, lead = 0.0, rounding = 0.0;
     for (int mode = 0; mode < joints_; ++mode) {
-      const double soft = 1.0 / a.stiffness[mode];
+      const double soft = 1.0 / a.law.stiffness[mode];
       aa += first[mode] * first[mode] * soft;
       ab += first[mode] * second[mode] * soft;
       bb += second[mode] * second[mode] * soft;
-      lead += (first[mode] * first[mode] + second[mode] * second[mode]) * soft * a.lead[mode];
+      lead += (first[mode] * first[mode] + second[mode] * second[mode]) * soft * a.law.lead[mode];
       rounding +=
           0.5 * (first[mode] * first[mode] + second[mode] * second[mode]) * memory_.observer.readingVariance[mode];
     }
@@ -664,7 +660,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   Ahead a;
   predict(frame, a);
   double sum = 0.0;
-  for (int k = 0; k < n; ++k) sum += a.next[kLink][k] + a.wouldBe[k];
+  for (int k = 0; k < n; ++k) sum += a.next[kLink][k] + a.law.wouldBe[k];
   if (!std::isfinite(sum)) return Status::notFinite;
   Wall walls[2 * kMaxContacts];
   Target targets[2 * kMaxContacts];
@@ -732,6 +728,7 @@ PositionControlRenderer::PositionControlRenderer(const PositionControlOptions& o
 PositionControlRenderer::~PositionControlRenderer() = default;
 
 PositionControlState PositionControlRenderer::state() const noexcept { return controller_->state(); }
+ControlledModes modesOf(const PositionControlRenderer& renderer) noexcept { return renderer.controller_->modes(); }
 
 void PositionControlRenderer::prepare(double period) {
   if (period != period_)

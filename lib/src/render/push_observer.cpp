@@ -210,6 +210,27 @@ void PushObserver<kMech>::advanceSensitivity(const Lane& command, const States& 
 }
 
 template <int kMech>
+void PushObserver<kMech>::law(const States& x, int modes, Law& law) const noexcept {
+  law.stiffness.fill(1.0);
+  law.lead.fill(0.0);
+  law.wouldBe.fill(0.0);
+  for (int k = 0; k < modes; ++k) {
+    const auto g = [&](int i) { return gain(i)[k]; };
+    const double p = x[kPush][k] + 0.5 * data_.period * x[kGrowth][k];
+    double asked = p + g(0) * x[0][k] + g(1) * x[1][k] + g(kMech) * (x[kLag][k] + p);
+    double damping = g(1);
+    law.stiffness[k] = g(0);
+    if (kMech == 4) {
+      asked += g(0) * p / data_.drive.stiffness + g(2) * x[2][k] + g(3) * x[3][k];
+      law.stiffness[k] += g(2);
+      damping += g(3);
+    }
+    law.wouldBe[k] = asked / law.stiffness[k];
+    law.lead[k] = damping / law.stiffness[k];
+  }
+}
+
+template <int kMech>
 void PushObserver<kMech>::pullBack(States& row) const noexcept {
   States before = {};
   for (int i = 0; i < kMech; ++i)

@@ -96,16 +96,23 @@ class PushObserver {
   const double (&commandSensitivity(int i) const noexcept)[kLanes] {
     return model_.slope[ModeTable<kMech>::kCommandAt + i];
   }
+  /// Return the law of the controller: each mode's torque is stiffness (target - wouldBe). wouldBe is the place to
+  /// which the hand would move the mode, at states `x`; `lead` are the seconds of speed in it.
+  struct Law {
+    Lane stiffness, lead, wouldBe;
+  };
+  void law(const States& x, int modes, Law& law) const noexcept;
   /// Convert a linear function of the states a tick later to one of the present states.
   void pullBack(States& row) const noexcept;
   /// Return mean and standard deviation of a linear function of the states.
   Moments moments(const State& s, const States& row) const noexcept;
 
-  const double (&gain(int i) const noexcept)[kLanes] { return model_.value[ModeTable<kMech>::kGainAt + i]; }
+  /// Return the state that encoders read.
+  int readState() const noexcept { return kMech == 4 && data_.drive.encoderOnLink ? 2 : 0; }
+  const ModeData& data() const noexcept { return data_; }
 
  private:
-  // The state that encoders read.
-  int readState() const noexcept { return kMech == 4 && data_.drive.encoderOnLink ? 2 : 0; }
+  const double (&gain(int i) const noexcept)[kLanes] { return model_.value[ModeTable<kMech>::kGainAt + i]; }
 
   ModeData data_;
   std::shared_ptr<const ModeTable<kMech>> table_;

@@ -35,8 +35,8 @@ struct TunedServo {
 };
 
 /// Evaluate the servo with the given weights and `delay` samples of delay. The result is empty if the servo cannot be
-/// designed, is unstable with the delay, or never stops the push. Throws Error: a period outside 1e-5 to 0.1 s.
-/// Realtime: no.
+/// designed, is unstable with the delay, or never stops the push. Throws DesignError: wrong sizes of the plant; Error:
+/// a period outside 1e-5 to 0.1 s. Realtime: no.
 std::optional<TunedServo> evaluateServo(const TuneProblem& problem, int delay, const ServoWeights& weights);
 
 /// Search the weights (torque = 1) for the stiffest servo that meets the requirements. The search is a logarithmic

@@ -70,6 +70,7 @@ class PositionControlRenderer final : public Renderer {
   class Controller;
   template <int>
   class ControllerOf;
+  friend struct ControlledModes modesOf(const PositionControlRenderer& renderer) noexcept;  // for study/stability.cpp
 
   void prepare(double period) override;
   Status render(const TickFrame& frame, TickOutput& output) noexcept override;

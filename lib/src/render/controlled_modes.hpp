@@ -1,0 +1,22 @@
+// The modes that position control uses at a pose, for an analysis of its closed loop.
+#pragma once
+
+#include "enamel/render/position_control.hpp"
+#include "render/push_observer.hpp"
+
+namespace enamel {
+
+/// Numbers of PushObserver::describe(), and the axes of the modes.
+struct ControlledModes {
+  ModeData data;
+  int count;
+  double handStep;                  ///< F_h, N
+  double axes[kMaxJoints][kLanes];  ///< column k: mode k in joint coordinates
+  Lane inertia, step, tremor;       ///< as PushObserver::State
+  Lane readingVariance, largestStep;
+};
+
+/// Return the modes of a renderer after its first tick. Realtime: yes.
+ControlledModes modesOf(const PositionControlRenderer& renderer) noexcept;
+
+}  // namespace enamel
