@@ -2,9 +2,7 @@
 // recording.
 #include "enamel/session/session.hpp"
 
-#include <atomic>
 #include <cmath>
-#include <thread>
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
