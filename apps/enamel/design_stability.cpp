@@ -20,14 +20,14 @@ constexpr double DeviceErrors::*kErrors[] = {&DeviceErrors::mass, &DeviceErrors:
 // Ranges of mass, cable and delay for one delay and scope.
 using Ranges = std::array<StableRange, 3>;
 
-struct Device {
+struct DeviceLoops {
   std::vector<LinearLoop> loops;              // one for each delay
   std::vector<std::array<Ranges, 2>> ranges;  // the same, for each of kScopes
   bool hasCables() const { return loops.front().drive().stiffness > 0.0; }
 };
 
-Device analyse(const DeviceParameters& parameters, double period, int largestDelay, int threads) {
-  Device device;
+DeviceLoops analyse(const DeviceParameters& parameters, double period, int largestDelay, int threads) {
+  DeviceLoops device;
   for (int delay = 0; delay <= largestDelay; ++delay) device.loops.emplace_back(parameters, period, delay);
   device.ranges.resize(device.loops.size());
   parallelFor(6 * device.loops.size(), threads, [&](std::size_t i) {
@@ -39,7 +39,7 @@ Device analyse(const DeviceParameters& parameters, double period, int largestDel
   return device;
 }
 
-void print(const Device& device) {
+void print(const DeviceLoops& device) {
   fmt::print(
       "Position control at home, walls across x, y and z: spectral radius of the linear loop, and the errors of "
       "the device,\none at a time, at which it is at most {:g}\n",
@@ -72,7 +72,7 @@ Level levelOf(const LinearLoop& loop, const DeviceErrors& errors) {
 }
 
 // The axis of an error: wider than its ranges at all delays.
-Axis axisOf(const Device& device, std::size_t error, const std::string& title) {
+Axis axisOf(const DeviceLoops& device, std::size_t error, const std::string& title) {
   constexpr double kLatest = 1.0;  // tick: errors that are plausible
   Extent extent;
   for (const auto& ranges : device.ranges)
@@ -86,7 +86,7 @@ double valueAt(const Axis& axis, int cell, int cells) {
 }
 
 // Draw a map of mass and another error for each delay.
-void addMaps(Svg& svg, const Device& device, const Axis& mass, std::size_t error, const Axis& other, double top,
+void addMaps(Svg& svg, const DeviceLoops& device, const Axis& mass, std::size_t error, const Axis& other, double top,
              int threads) {
   const std::size_t count = device.loops.size();
   std::vector<Level> levels(count * kRows * kColumns);
@@ -117,7 +117,7 @@ void addMaps(Svg& svg, const Device& device, const Axis& mass, std::size_t error
   }
 }
 
-std::string pictureOf(const Device& device, const std::string& name, int threads) {
+std::string pictureOf(const DeviceLoops& device, const std::string& name, int threads) {
   Svg svg;
   const Axis mass = axisOf(device, 0, "mass over the file's");
   double top = kTop;
@@ -138,7 +138,7 @@ std::string pictureOf(const Device& device, const std::string& name, int threads
 }  // namespace
 
 std::string printStability(const DeviceParameters& parameters, double period, int largestDelay, int threads) {
-  const Device device = analyse(parameters, period, largestDelay, threads);
+  const DeviceLoops device = analyse(parameters, period, largestDelay, threads);
   print(device);
   return pictureOf(device, nameOf(parameters), threads);
 }

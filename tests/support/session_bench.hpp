@@ -1,16 +1,19 @@
 // A session in a loop of the test, on a virtual device, under a hand that pushes along -z.
 #pragma once
 
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "enamel/session/session.hpp"
 #include "enamel/sim/hand.hpp"
 #include "support/catch.hpp"
+#include "support/devices.hpp"
 #include "support/meshes.hpp"
 
 namespace enamel::test {
@@ -137,6 +140,72 @@ struct TwoBurs {
   std::shared_ptr<Session> first;
   std::unique_ptr<Session> second;
   std::unique_ptr<VirtualDevice> a, b;
+};
+
+// A thread that adds, removes, moves, replaces and edits obstacles of a session at random, every half millisecond.
+class RandomChanges {
+ public:
+  RandomChanges(Session& session, std::uint64_t seed, int changes)
+      : session_(session), seed_(seed), random_(seed), thread_([this, changes] { run(changes); }) {}
+  ~RandomChanges() {
+    if (thread_.joinable()) thread_.join();
+  }
+  RandomChanges(const RandomChanges&) = delete;
+  RandomChanges& operator=(const RandomChanges&) = delete;
+
+  // Return the number of changes that threw, after the last one.
+  int failures() {
+    thread_.join();
+    return failures_;
+  }
+
+ private:
+  void run(int changes) {
+    SessionObstacle edited = ball("edited " + std::to_string(seed_), {0.02, 0.0, 0.02}, 1e-3);
+    edited.mesh = std::make_shared<MeshModel>(boxMesh(Vec3::Constant(1e-3)));
+    deforms_ = session_.add(edited);
+    for (int i = 0; i < changes; ++i) {
+      try {
+        change(i);
+        (void)session_.snapshot();
+      } catch (const Error&) {
+        ++failures_;
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(500));
+    }
+  }
+  void change(int i) {
+    const double what = random_.uniform(0.0, 7.0);
+    const Vec3 place = Vec3(0.02, 0.0, 0.0) + random_.vector(0.01);
+    if (mine_.size() < 4 || what < 1.0) {
+      SessionObstacle obstacle = ball(std::to_string(seed_) + " " + std::to_string(i), place, 2e-3);
+      if (what < 0.5) obstacle.mesh = std::make_shared<MeshModel>(boxMesh(Vec3::Constant(1e-3)));
+      mine_.push_back(session_.add(obstacle));
+    } else if (what < 2.0) {
+      session_.remove(mine_.back());
+      mine_.pop_back();
+    } else if (what < 4.0) {
+      session_.move(mine_[static_cast<std::size_t>(i) % mine_.size()], Pose{place, Mat3::Identity()});
+    } else if (what < 4.5) {
+      session_.activate(mine_[0], i % 2 == 0);
+    } else if (what < 5.0) {
+      Material soft;
+      soft.stiffness = 2000.0;
+      session_.setMaterial(mine_[0], soft);
+    } else if (what < 6.0) {
+      session_.replace(mine_[0], ball("", place, 1e-3));
+    } else {
+      session_.moveVertices(deforms_, {i % 8}, {random_.vector(1e-3)});
+    }
+  }
+
+  Session& session_;
+  std::uint64_t seed_;
+  Random random_;
+  ObstacleId deforms_;
+  std::vector<ObstacleId> mine_;
+  int failures_ = 0;
+  std::thread thread_;  // the last member: it uses the others
 };
 
 inline std::shared_ptr<const Solid> cutSolidOf(const Session& session) {

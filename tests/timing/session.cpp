@@ -1,8 +1,9 @@
 // Reports the cost of each change of a session, on the caller's thread and in the tick that takes it over. Times are
-// printed only. The test checks that every change arrived.
+// printed only; the test checks that every change arrived. A loop under random changes keeps its time.
 #include "enamel/session/session.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <thread>
@@ -132,6 +133,46 @@ TEST_CASE("the cost of changes", "[timing]") {
     CHECK(now.tick.number > 300);
     CHECK(now.droppedEvents == 0);
     CHECK(session.find("another") == ObstacleId{});
+  }
+}
+
+TEST_CASE("changes at random delay no tick, and the torque does not jump", "[timing]") {
+  // First without changes, then with them.
+  const int changes = test::count(2000, 500000);  // of two threads; the long run takes five minutes for each row
+  for (const bool isChanged : {false, true}) {
+    std::atomic<double> largest{0.0};  // change of a torque from tick to tick, as a share of the guard's limit
+    JointVector last;
+    double before = 0.0;  // time of `last`, s
+    SessionDef def = test::definition();
+    const Session* running = nullptr;
+    def.beforeTick = [&](TickAccess& access) {
+      const TickFrame& frame = access.frame();
+      const JointVector most = running->haptics().guard().options().slew * (frame.time - before);
+      if (last.size() == frame.command.size() && frame.time > before)
+        largest = std::max(largest.load(), (frame.command - last).cwiseAbs().cwiseQuotient(most).maxCoeff());
+      last = frame.command;
+      before = frame.time;
+    };
+    Session session(def);
+    running = &session;
+    (void)session.add(test::wallAt("wall", 0.0));
+    session.start(makeVirtualDevice(session));
+    if (isChanged) {
+      test::RandomChanges one(session, 1, changes), two(session, 2, changes);
+      CHECK(one.failures() + two.failures() == 0);
+    } else {
+      std::this_thread::sleep_for(std::chrono::microseconds(600) * changes);
+    }
+    const PeriodicTiming& timing = session.loop()->timing();
+    const auto ticks = timing.periods.load(), missed = timing.missed.load();
+    std::printf(
+        "%s: %llu ticks, %llu deadlines missed; compute median %.1f us, 99.9 %% %.1f us; largest torque step %.3f\n",
+        isChanged ? "two threads change the scene" : "no changes", static_cast<unsigned long long>(ticks),
+        static_cast<unsigned long long>(missed), 1e6 * timing.compute.quantile(0.5),
+        1e6 * timing.compute.quantile(0.999), largest.load());
+    CHECK(ticks > static_cast<unsigned long long>(changes) / 2);
+    CHECK(timing.compute.quantile(0.99) < 0.5 / def.rate);
+    CHECK(largest.load() <= 1.0 + 1e-9);
   }
 }
 

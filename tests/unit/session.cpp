@@ -2,9 +2,7 @@
 // recording.
 #include "enamel/session/session.hpp"
 
-#include <atomic>
 #include <cmath>
-#include <thread>
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
@@ -400,55 +398,13 @@ TEST_CASE("a loop in its own thread, changed by two others at random", "[session
   session.start(makeVirtualDevice(session));
   CHECK(session.isRunning());
   CHECK_THROWS_WITH(session.start(makeVirtualDevice(session)), ContainsSubstring("already running"));
-  std::atomic<int> failures{0}, changes{0};
   const int steps = test::count(300, 600000);  // the long run takes ten minutes
-  const auto disturb = [&](std::uint64_t seed) {
-    test::Random random(seed);
-    SessionObstacle edited = ball("edited " + std::to_string(seed), {0.02, 0.0, 0.02}, 1e-3);
-    edited.mesh = std::make_shared<MeshModel>(test::boxMesh(Vec3::Constant(1e-3)));
-    const ObstacleId deforms = session.add(edited);
-    std::vector<ObstacleId> mine;
-    for (int i = 0; i < steps; ++i) {
-      try {
-        const double what = random.uniform(0.0, 7.0);
-        const Vec3 place = Vec3(0.02, 0.0, 0.0) + random.vector(0.01);
-        if (mine.size() < 4 || what < 1.0) {
-          SessionObstacle obstacle = ball(std::to_string(seed) + " " + std::to_string(i), place, 2e-3);
-          if (what < 0.5) obstacle.mesh = std::make_shared<MeshModel>(test::boxMesh(Vec3::Constant(1e-3)));
-          mine.push_back(session.add(obstacle));
-        } else if (what < 2.0) {
-          session.remove(mine.back());
-          mine.pop_back();
-        } else if (what < 4.0) {
-          session.move(mine[static_cast<std::size_t>(i) % mine.size()], Pose{place, Mat3::Identity()});
-        } else if (what < 4.5) {
-          session.activate(mine[0], i % 2 == 0);
-        } else if (what < 5.0) {
-          Material soft;
-          soft.stiffness = 2000.0;
-          session.setMaterial(mine[0], soft);
-        } else if (what < 6.0) {
-          SessionObstacle by = ball("", place, 1e-3);
-          session.replace(mine[0], by);
-        } else {
-          session.moveVertices(deforms, {i % 8}, {random.vector(1e-3)});
-        }
-        ++changes;
-        (void)session.snapshot();
-      } catch (const Error&) {
-        ++failures;
-      }
-      std::this_thread::sleep_for(std::chrono::microseconds(500));
-    }
-  };
-  std::thread one(disturb, 1), two(disturb, 2);
-  one.join();
-  two.join();
+  test::RandomChanges one(session, 1, steps), two(session, 2, steps);
+  CHECK(one.failures() == 0);
+  CHECK(two.failures() == 0);
   const Snapshot now = session.snapshot();
   session.stop();
   CHECK_FALSE(session.isRunning());
-  CHECK(failures == 0);
-  CHECK(changes == 2 * steps);
   CHECK(now.tick.number > 0);
   for (SessionEvent event; session.nextEvent(event);)
     if (event.kind == EventKind::guardStop) CHECK(event.reason == GuardReason::late);  // on a busy machine
