@@ -199,8 +199,7 @@ void run(DesignOptions options) {
   const int threads = options.search.threads == 0 ? availableThreads() : options.search.threads;
   const bool writesOthers = !options.output.empty() || options.tune;
   if (!options.stability.empty()) {
-    writeFile(options.stability,
-              printStability(loadDevice(options.device), 1.0 / options.rate, kLargestDelay, threads));
+    writeStability(loadDevice(options.device), 1.0 / options.rate, kLargestDelay, threads, options.stability);
     if (options.impedanceMap.empty() && !writesOthers) return;
   }
   const Device device = makeDevice(options);
@@ -303,8 +302,7 @@ void addDesign(CLI::App& app) {
       "and Table II.\n--output writes the design (JSON: models, K, P, poles, margins, requirements) for --gain of push "
       "and study.\n--tune searches the weights and prints the stiffest servo for each delay; with --output, it writes "
       "that of --delay.\n--impedance-map writes which impedance walls are stable (CSV).\n--stability prints and draws "
-      "at which errors of "
-      "mass, cables and delay position control is stable.");
+      "at which errors of mass, cables and delay position control is stable.");
   command->add_option("--device", options->device, "device file (TOML)")->required();
   command->add_option("--output", options->output, "file for the design (JSON)");
   addServoOptions(*command, *options);

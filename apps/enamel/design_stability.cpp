@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "enamel/core/file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/stability.hpp"
 #include "study/svg.hpp"
@@ -137,10 +138,11 @@ std::string pictureOf(const DeviceLoops& device, const std::string& name, int th
 
 }  // namespace
 
-std::string printStability(const DeviceParameters& parameters, double period, int largestDelay, int threads) {
+void writeStability(const DeviceParameters& parameters, double period, int largestDelay, int threads,
+                    const std::string& path) {
   const DeviceLoops device = analyse(parameters, period, largestDelay, threads);
   print(device);
-  return pictureOf(device, nameOf(parameters), threads);
+  writeFile(path, pictureOf(device, nameOf(parameters), threads));
 }
 
 }  // namespace enamel::app

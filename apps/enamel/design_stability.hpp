@@ -7,8 +7,9 @@
 
 namespace enamel::app {
 
-/// Print the ranges of single errors for delays of 0 to `largestDelay` ticks, and return maps of pairs of errors (SVG).
-/// The result does not depend on `threads`. Throws Error as LinearLoop.
-std::string printStability(const DeviceParameters& device, double period, int largestDelay, int threads);
+/// Print the ranges of single errors for delays of 0 to `largestDelay` ticks, and write maps of pairs of errors (SVG).
+/// The result does not depend on `threads`. Throws Error as LinearLoop and writeFile().
+void writeStability(const DeviceParameters& device, double period, int largestDelay, int threads,
+                    const std::string& path);
 
 }  // namespace enamel::app

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "enamel/session/session.hpp"
@@ -145,28 +146,30 @@ struct TwoBurs {
 // A thread that adds, removes, moves, replaces and edits obstacles of a session at random, every half millisecond.
 class RandomChanges {
  public:
-  RandomChanges(Session& session, std::uint64_t seed, int changes)
-      : session_(session), seed_(seed), random_(seed), thread_([this, changes] { run(changes); }) {}
+  RandomChanges(Session& session, std::uint64_t seed, std::chrono::duration<double> length)
+      : session_(session), seed_(seed), random_(seed), thread_([this, length] { run(length); }) {}
   ~RandomChanges() {
     if (thread_.joinable()) thread_.join();
   }
   RandomChanges(const RandomChanges&) = delete;
   RandomChanges& operator=(const RandomChanges&) = delete;
 
-  // Return the number of changes that threw, after the last one.
-  int failures() {
+  // Return the number of changes, and of those that threw, after the last one.
+  std::pair<int, int> finish() {
     thread_.join();
-    return failures_;
+    return {changes_, failures_};
   }
 
  private:
-  void run(int changes) {
+  void run(std::chrono::duration<double> length) {
+    constexpr int kFewest = 30;  // also on a busy machine
+    const auto end = std::chrono::steady_clock::now() + length;
     SessionObstacle edited = ball("edited " + std::to_string(seed_), {0.02, 0.0, 0.02}, 1e-3);
     edited.mesh = std::make_shared<MeshModel>(boxMesh(Vec3::Constant(1e-3)));
     deforms_ = session_.add(edited);
-    for (int i = 0; i < changes; ++i) {
+    for (; changes_ < kFewest || std::chrono::steady_clock::now() < end; ++changes_) {
       try {
-        change(i);
+        change(changes_);
         (void)session_.snapshot();
       } catch (const Error&) {
         ++failures_;
@@ -204,7 +207,7 @@ class RandomChanges {
   Random random_;
   ObstacleId deforms_;
   std::vector<ObstacleId> mine_;
-  int failures_ = 0;
+  int changes_ = 0, failures_ = 0;
   std::thread thread_;  // the last member: it uses the others
 };
 

@@ -204,9 +204,12 @@ std::vector<double> Axis::ticks(int count) const {
     if (places.size() > 1) return places;
     places.clear();
   }
-  const double step = niceStep(high - low, count);
-  for (auto i = std::llround(std::ceil(low / step - 1e-9)); static_cast<double>(i) * step <= high + 1e-9 * step; ++i)
-    places.push_back(static_cast<double>(i) * step);
+  for (; places.size() < 2; ++count) {  // one tick shows no scale
+    places.clear();
+    const double step = niceStep(high - low, count);
+    for (auto i = std::llround(std::ceil(low / step - 1e-9)); static_cast<double>(i) * step <= high + 1e-9 * step; ++i)
+      places.push_back(static_cast<double>(i) * step);
+  }
   return places;
 }
 

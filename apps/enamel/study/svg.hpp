@@ -67,7 +67,7 @@ struct Axis {
   bool numbers = true;  ///< false: the neighbouring panel has the numbers
 
   double share(double value) const;  ///< 0 at `low`, 1 at `high`
-  /// Return about `count` ticks: 1, 2 or 5 times a power of ten.
+  /// Return about `count` ticks, at least two: 1, 2 or 5 times a power of ten.
   std::vector<double> ticks(int count) const;
 };
 

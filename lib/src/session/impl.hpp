@@ -69,6 +69,7 @@ struct Session::Impl final : TickSink {
     queue.post(std::move(function), isLive() && !isLoop());
   }
   std::unique_lock<std::mutex> lock() const;
+  // Return whether the caller is the thread of the ticks.
   bool isLoop() const noexcept { return loopThread.load(std::memory_order_relaxed) == std::this_thread::get_id(); }
   bool isThreaded() const noexcept { return runs.load(std::memory_order_acquire) == Loop::threaded; }
   bool isLive() const noexcept { return runs.load(std::memory_order_acquire) != Loop::none; }

@@ -15,11 +15,15 @@
 namespace enamel {
 namespace {
 
-// Call work() on `threads` threads, this one among them. After its first exception, which is rethrown, call stop().
-template <typename Work, typename Stop>
-void onThreads(int threads, std::size_t most, const Work& work, const Stop& stop) {
+std::size_t checked(int threads) {
   require(threads >= 1 && threads <= kMaxThreads,
           "threads is " + std::to_string(threads) + ", must be in 1 to " + std::to_string(kMaxThreads));
+  return static_cast<std::size_t>(threads);
+}
+
+// Call work() on `wanted` threads, this one among them. After its first exception, which is rethrown, call stop().
+template <typename Work, typename Stop>
+void onThreads(std::size_t wanted, const Work& work, const Stop& stop) {
   std::exception_ptr problem;
   std::mutex first;
   const auto guarded = [&] {
@@ -32,7 +36,6 @@ void onThreads(int threads, std::size_t most, const Work& work, const Stop& stop
     }
   };
   std::vector<std::thread> others;
-  const std::size_t wanted = std::min(static_cast<std::size_t>(threads), most);
   try {
     while (others.size() + 1 < wanted) others.emplace_back(guarded);
   } catch (const std::exception&) {  // no memory or too many threads: fewer give the same result
@@ -58,7 +61,7 @@ int availableThreads() { return std::clamp(system::processors(), 1, kMaxThreads)
 void parallelFor(std::size_t count, int threads, const std::function<void(std::size_t)>& body) {
   std::atomic<std::size_t> next{0};
   onThreads(
-      threads, count,
+      std::min(checked(threads), count),
       [&] {
         for (std::size_t i = 0; (i = next++) < count;) body(i);
       },
@@ -68,7 +71,7 @@ void parallelFor(std::size_t count, int threads, const std::function<void(std::s
 std::size_t parallelInOrder(std::size_t first, std::size_t count, int threads,
                             const std::function<void(std::size_t)>& work, const std::function<void(std::size_t)>& done,
                             const std::function<bool()>& stop) {
-  const std::size_t ahead = 4 * static_cast<std::size_t>(std::clamp(threads, 1, kMaxThreads));
+  const std::size_t most = checked(threads), ahead = 4 * most;
   Line line{{}, {}, first, first, std::vector<char>(ahead, 0)};
   const auto serve = [&] {
     std::unique_lock<std::mutex> lock(line.mutex);
@@ -94,7 +97,7 @@ std::size_t parallelInOrder(std::size_t first, std::size_t count, int threads,
     }
     line.changed.notify_all();
   };
-  onThreads(threads, count - std::min(first, count), serve, [&line] {
+  onThreads(std::min(most, count - std::min(first, count)), serve, [&line] {
     const std::lock_guard<std::mutex> lock(line.mutex);
     line.isOver = true;
     line.changed.notify_all();

@@ -41,7 +41,7 @@ class TickSink {
  public:
   virtual ~TickSink() = default;
 
-  /// Called once, before the first measurement of the loop. Must be Realtime: yes.
+  /// Called once on the thread of the loop, before its first period. Must be Realtime: yes.
   virtual void atStart() noexcept {}
 
   /// Called before each tick. It may change the measurement, for example `enabled`. Must be Realtime: yes.
