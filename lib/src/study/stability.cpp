@@ -7,98 +7,26 @@
 #include <limits>
 #include <vector>
 
+#include "control/dense.hpp"
 #include "core/message.hpp"
 #include "enamel/control/margins.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/sim/plant_maker.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 #include "render/controlled_modes.hpp"
-#include "render/exponential.hpp"
 
 namespace enamel {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
-// The loop at one wall, with rotors behind cables or rigid.
-class LinearLoop::Loop {
- public:
-  virtual ~Loop() = default;
-  virtual MatrixXd matrix(const DeviceErrors& errors, std::size_t index) const = 0;
-  virtual const Drive& drive() const noexcept = 0;
-};
-
-// State of the loop: mechanical states and motor of each mode at a sample; the observer's states after the sample
-// before; forces commanded so far, newest first.
-template <int kMech>
-class LinearLoop::LoopOf final : public LinearLoop::Loop {
- public:
-  LoopOf(const ControlledModes& modes, const JointVector& normal, const std::vector<LinearCase>& cases);
-  MatrixXd matrix(const DeviceErrors& errors, std::size_t index) const override;
-  const Drive& drive() const noexcept override { return data_.drive; }
-
- private:
-  using Observer = PushObserver<kMech>;
-  static constexpr int kPlant = kMech + 1, kSeen = kMech + 3, kLink = kMech - 2;
-
-  // The computation of the observer, as matrices. One for each mode that the normal's motion contains.
-  struct Mode {
-    double row;      // of the normal
-    double inertia;  // of the link
-    Matrix<kSeen> state;
-    Matrix<kSeen, 1> command, wouldBe;
-    std::vector<Matrix<kSeen, 1>> gain;  // of a reading, in each case
-  };
-
-  typename Observer::State atRest(const ControlledModes& m, Observer observer, const Lane& row,
-                                  const LinearCase& c) const;
-  std::vector<Mode> modesOf(const ControlledModes& m, Observer& observer, const Lane& row);
-  MatrixXd alongWall(Eigen::Index size) const;
-
-  ModeData data_;
-  int read_ = 0;             // state that encoders read
-  double compliance_ = 0.0;  // of the controller along the normal, m/N
-  std::vector<Mode> modes_;
-};
-
-template <int kMech>
-LinearLoop::LoopOf<kMech>::LoopOf(const ControlledModes& m, const JointVector& normal,
-                                  const std::vector<LinearCase>& cases)
-    : data_(m.data) {
-  constexpr double kMoves = 1e-9;  // share of the motion of a mode that rounding explains
-  Lane row{};
-  double most = 0.0;
-  for (int k = 0; k < m.count; ++k) {
-    for (Eigen::Index j = 0; j < normal.size(); ++j) row[k] += m.axes[j][k] * normal[j];
-    most = std::max(most, row[k] * row[k] / m.inertia[k]);
-  }
-  Observer observer(m.data);
-  read_ = observer.readState();
-  std::vector<typename Observer::State> rest;
-  for (const LinearCase& c : cases) rest.push_back(atRest(m, observer, row, c));
-  observer.reload(rest.front());
-  std::vector<Mode> all = modesOf(m, observer, row);
-  for (typename Observer::State& s : rest) {
-    const typename Observer::State before = s;
-    Lane reading;
-    for (int k = 0; k < kLanes; ++k) reading[k] = s.part[0].x[read_][k] + 1.0;
-    observer.correct(s, reading);
-    for (int k = 0; k < m.count; ++k) {
-      Matrix<kSeen, 1> gain;
-      for (int i = 0; i < kSeen; ++i) gain[i] = s.part[0].x[i][k] - before.part[0].x[i][k];
-      all[static_cast<std::size_t>(k)].gain.push_back(gain);
-    }
-  }
-  for (const Mode& mode : all)
-    if (mode.row * mode.row / mode.inertia > kMoves * most) modes_.push_back(mode);
-}
+namespace {
 
 // The observer at rest under a push against the normal, when its covariance no longer changes; after its prediction.
 template <int kMech>
-typename LinearLoop::LoopOf<kMech>::Observer::State LinearLoop::LoopOf<kMech>::atRest(const ControlledModes& m,
-                                                                                      Observer observer,
-                                                                                      const Lane& row,
-                                                                                      const LinearCase& c) const {
+typename PushObserver<kMech>::State atRest(PushObserver<kMech> observer, const ControlledModes& m, const Lane& row,
+                                           const LinearCase& c) {
+  using Observer = PushObserver<kMech>;
   constexpr int kMostTicks = 20000;
   constexpr double kSteady = 1e-10;
   typename Observer::State s{}, before{};
@@ -109,7 +37,7 @@ typename LinearLoop::LoopOf<kMech>::Observer::State LinearLoop::LoopOf<kMech>::a
   for (int k = 0; k < m.count; ++k) {
     command[k] = s.part[0].x[Observer::kLag][k] = row[k] * c.push;
     s.part[0].x[Observer::kPush][k] = -command[k];
-    if (kMech == 4) s.part[0].x[0][k] = command[k] / data_.drive.stiffness;
+    if (kMech == 4) s.part[0].x[0][k] = command[k] / m.data.drive.stiffness;
   }
   std::memcpy(s.mean, s.part[0].x, sizeof s.mean);
   for (int tick = 0;; ++tick) {
@@ -132,117 +60,202 @@ typename LinearLoop::LoopOf<kMech>::Observer::State LinearLoop::LoopOf<kMech>::a
     if (isSteady || tick == kMostTicks) return s;
     before = s;
     Lane reading;
-    for (int k = 0; k < kLanes; ++k) reading[k] = s.part[0].x[read_][k];
+    for (int k = 0; k < kLanes; ++k) reading[k] = s.part[0].x[observer.readState()][k];
     observer.correct(s, reading);
     observer.merge(s);
   }
 }
 
-// Responses of the observer and of the law to each state, and to a command.
+// x(t + seconds) = state x(t) + command u, of a mode's rotor, link and motor.
+struct Motion {
+  MatrixXd state, command;
+};
+
 template <int kMech>
-std::vector<typename LinearLoop::LoopOf<kMech>::Mode> LinearLoop::LoopOf<kMech>::modesOf(const ControlledModes& m,
-                                                                                         Observer& observer,
-                                                                                         const Lane& row) {
-  std::vector<Mode> all(static_cast<std::size_t>(m.count));
+Motion motionOf(const Drive& drive, double inertia, double seconds) {
+  const ModeMotion<kMech> m = modeMotion<kMech>(drive, inertia, seconds);
+  Motion motion{MatrixXd(kMech + 1, kMech + 1), MatrixXd(kMech + 1, 1)};
+  for (int i = 0; i <= kMech; ++i) {
+    for (int j = 0; j <= kMech; ++j) motion.state(i, j) = m.state[i][j];
+    motion.command(i, 0) = m.command[i];
+  }
+  return motion;
+}
+
+// x = state x + command u.
+void move(const MatrixXd& state, const MatrixXd& command, const MatrixXd& u, MatrixXd& x) {
+  x = product(state, x) + product(command, u);
+}
+
+// Orthonormal columns: first a basis of the given ones, then one of the rest.
+MatrixXd basisOf(const MatrixXd& columns) { return Eigen::HouseholderQR<MatrixXd>(columns).householderQ(); }
+
+}  // namespace
+
+// The loop at one wall. Its state: mechanical states and motor of each mode at a sample; the observer's states after
+// the sample before; forces commanded so far, newest first.
+class LinearLoop::Wall {
+ public:
+  Wall(const ControlledModes& m, const JointVector& normal, const std::vector<LinearCase>& cases);
+  MatrixXd matrix(const DeviceErrors& errors, std::size_t index) const;
+  const Drive& drive() const noexcept { return data_.drive; }
+
+ private:
+  // Observer and law of a mode that the normal's motion contains, as matrices.
+  struct Mode {
+    double row, inertia;         // of the normal; of the link
+    MatrixXd state, command;     // of the observer, a tick later; under a unit force along the normal
+    MatrixXd wouldBe;            // a row: of the law
+    std::vector<MatrixXd> gain;  // of a reading, in each case
+  };
+
+  template <int kMech>
+  std::vector<Mode> modesOf(const ControlledModes& m, const Lane& row, const std::vector<LinearCase>& cases);
+  MatrixXd alongWall(Index size) const;
+
+  ModeData data_;
+  Index mechanical_;         // states of a mode: 4 behind cables, otherwise 2
+  int read_ = 0;             // state that encoders read
+  double compliance_ = 0.0;  // of the controller along the normal, m/N
+  std::vector<Mode> modes_;
+};
+
+LinearLoop::Wall::Wall(const ControlledModes& m, const JointVector& normal, const std::vector<LinearCase>& cases)
+    : data_(m.data), mechanical_(m.data.drive.stiffness > 0.0 ? 4 : 2) {
+  constexpr double kMoves = 1e-9;  // share of the motion of a mode that rounding explains
+  Lane row{};
+  double most = 0.0;
+  for (int k = 0; k < m.count; ++k) {
+    for (Index j = 0; j < normal.size(); ++j) row[k] += m.axes[j][k] * normal[j];
+    most = std::max(most, row[k] * row[k] / m.inertia[k]);
+  }
+  for (const Mode& mode : mechanical_ == 4 ? modesOf<4>(m, row, cases) : modesOf<2>(m, row, cases))
+    if (mode.row * mode.row / mode.inertia > kMoves * most) modes_.push_back(mode);
+}
+
+// Responses of the observer and of the law to each state, to a command, and to a reading.
+template <int kMech>
+std::vector<LinearLoop::Wall::Mode> LinearLoop::Wall::modesOf(const ControlledModes& m, const Lane& row,
+                                                              const std::vector<LinearCase>& cases) {
+  using Observer = PushObserver<kMech>;
+  constexpr int kSeen = kMech + 3;
+  Observer observer(m.data);
+  read_ = observer.readState();
+  std::vector<typename Observer::State> rest;
+  for (const LinearCase& c : cases) rest.push_back(atRest<kMech>(observer, m, row, c));
+  observer.reload(rest.front());
+  const Mode none{0.0, 0.0, MatrixXd(kSeen, kSeen), MatrixXd(kSeen, 1), MatrixXd(1, kSeen), {}};
+  std::vector<Mode> modes(static_cast<std::size_t>(m.count), none);
   typename Observer::Law law;
   for (int i = 0; i <= kSeen; ++i) {
     typename Observer::States x = {};
     Lane command{};
-    for (int k = 0; k < kLanes; ++k) (i < kSeen ? x[i][k] : command[k]) = 1.0;
+    for (int k = 0; k < kLanes; ++k) (i < kSeen ? x[i][k] : command[k]) = i < kSeen ? 1.0 : row[k];
     observer.law(x, m.count, law);
     observer.advance(command, x);
     for (int k = 0; k < m.count; ++k) {
-      Mode& mode = all[static_cast<std::size_t>(k)];
-      for (int j = 0; j < kSeen; ++j) (i < kSeen ? mode.state(j, i) : mode.command[j]) = x[j][k];
-      if (i < kSeen) mode.wouldBe[i] = law.wouldBe[k];
+      Mode& mode = modes[static_cast<std::size_t>(k)];
+      for (int j = 0; j < kSeen; ++j) (i < kSeen ? mode.state(j, i) : mode.command(j, 0)) = x[j][k];
+      if (i < kSeen) mode.wouldBe(0, i) = law.wouldBe[k];
     }
   }
   for (int k = 0; k < m.count; ++k) {
-    all[static_cast<std::size_t>(k)].row = row[k];
-    all[static_cast<std::size_t>(k)].inertia = m.inertia[k];
+    Mode& mode = modes[static_cast<std::size_t>(k)];
+    mode.row = row[k];
+    mode.inertia = m.inertia[k];
     compliance_ += row[k] * row[k] / law.stiffness[k];
   }
-  return all;
+  for (typename Observer::State& s : rest) {
+    const typename Observer::State before = s;
+    Lane reading;
+    for (int k = 0; k < kLanes; ++k) reading[k] = s.part[0].x[read_][k] + 1.0;
+    observer.correct(s, reading);
+    for (int k = 0; k < m.count; ++k) {
+      MatrixXd gain(kSeen, 1);
+      for (int i = 0; i < kSeen; ++i) gain(i, 0) = s.part[0].x[i][k] - before.part[0].x[i][k];
+      modes[static_cast<std::size_t>(k)].gain.push_back(gain);
+    }
+  }
+  return modes;
 }
 
 // Motions along the wall at constant speed: they cause no force, so their eigenvalues are 1 with every controller that
 // lets the tool slide. Columns: positions, then speeds. Modes differ in the seconds of speed by which the controller
 // looks ahead, so the tool slides at a constant height.
-template <int kMech>
-MatrixXd LinearLoop::LoopOf<kMech>::alongWall(Eigen::Index size) const {
-  const auto n = static_cast<Eigen::Index>(modes_.size());
-  VectorXd row(n), lead(n);
-  for (Eigen::Index k = 0; k < n; ++k) {
+MatrixXd LinearLoop::Wall::alongWall(Index size) const {
+  const auto n = static_cast<Index>(modes_.size());
+  const Index plantStates = mechanical_ + 1, seenStates = mechanical_ + 3;
+  MatrixXd row(n, 1), lead = MatrixXd::Zero(n, 1);
+  double square = 0.0;
+  for (Index k = 0; k < n; ++k) {
     const Mode& mode = modes_[static_cast<std::size_t>(k)];
-    row[k] = mode.row;
-    lead[k] = 0.0;
-    for (int i = 1; i < kMech; i += 2) lead[k] += mode.wouldBe[i];
+    row(k, 0) = mode.row;
+    square += mode.row * mode.row;
+    for (Index i = 1; i < mechanical_; i += 2) lead(k, 0) += mode.wouldBe(0, i);
   }
-  const MatrixXd across = row.householderQr().householderQ() * MatrixXd::Identity(n, n);
+  const MatrixXd across = basisOf(row);
   MatrixXd motions = MatrixXd::Zero(size, 2 * (n - 1));
-  for (Eigen::Index c = 1; c < n; ++c) {
-    const VectorXd along = across.col(c), height = -row * row.cwiseProduct(lead).dot(along) / row.squaredNorm();
-    for (Eigen::Index k = 0; k < n; ++k)
-      for (int i = 0; i < kMech; i += 2) {
-        const Eigen::Index plant = k * kPlant + i, seen = n * kPlant + k * kSeen + i;
-        motions(plant, c - 1) = motions(seen, c - 1) = along[k];
-        motions(plant, n - 2 + c) = height[k];
-        motions(seen, n - 2 + c) = height[k] - data_.period * along[k];
-        motions(plant + 1, n - 2 + c) = motions(seen + 1, n - 2 + c) = along[k];
+  for (Index c = 1; c < n; ++c) {
+    double ahead = 0.0;
+    for (Index k = 0; k < n; ++k) ahead += row(k, 0) * lead(k, 0) * across(k, c);
+    for (Index k = 0; k < n; ++k)
+      for (Index i = 0; i < mechanical_; i += 2) {
+        const Index plant = k * plantStates + i, seen = n * plantStates + k * seenStates + i;
+        const double along = across(k, c), height = -row(k, 0) * ahead / square;
+        motions(plant, c - 1) = motions(seen, c - 1) = along;
+        motions(plant, n - 2 + c) = height;
+        motions(seen, n - 2 + c) = height - data_.period * along;
+        motions(plant + 1, n - 2 + c) = motions(seen + 1, n - 2 + c) = along;
       }
   }
   return motions;
 }
 
-template <int kMech>
-MatrixXd LinearLoop::LoopOf<kMech>::matrix(const DeviceErrors& errors, std::size_t index) const {
+MatrixXd LinearLoop::Wall::matrix(const DeviceErrors& errors, std::size_t index) const {
   const double late = data_.delay + errors.delay, T = data_.period;
   const int whole = static_cast<int>(std::floor(late)), assumed = data_.delay;
   const double part = late - whole;
-  const auto n = static_cast<Eigen::Index>(modes_.size());
-  const Eigen::Index seenAt = n * kPlant, sentAt = seenAt + n * kSeen, size = sentAt + std::max(assumed + 1, whole + 2);
+  const auto n = static_cast<Index>(modes_.size());
+  const Index plantStates = mechanical_ + 1, seenStates = mechanical_ + 3, seenAt = n * plantStates,
+              sentAt = seenAt + n * seenStates, size = sentAt + std::max(assumed + 1, whole + 2);
   const auto sent = [&](int ticks) {  // the force commanded some ticks ago, as a row of the states
-    Eigen::RowVectorXd r = Eigen::RowVectorXd::Zero(size);
-    r[sentAt + ticks - 1] = 1.0;
+    MatrixXd r = MatrixXd::Zero(1, size);
+    r(0, sentAt + ticks - 1) = 1.0;
     return r;
   };
-  MatrixXd next = MatrixXd::Zero(size, size);
-  Eigen::RowVectorXd force = Eigen::RowVectorXd::Zero(size);
-  for (Eigen::Index k = 0; k < n; ++k) {
+  MatrixXd next = MatrixXd::Zero(size, size), force = MatrixXd::Zero(1, size);
+  for (Index k = 0; k < n; ++k) {
     const Mode& mode = modes_[static_cast<std::size_t>(k)];
-    MatrixXd x = MatrixXd::Zero(kSeen, size);
-    x.middleCols(seenAt + k * kSeen, kSeen) = mode.state;
-    x += mode.row * mode.command * sent(assumed + 1);
-    Eigen::RowVectorXd innovation = -x.row(read_);
-    innovation[k * kPlant + read_] += 1.0;
-    x += mode.gain[index] * innovation;
-    next.middleRows(seenAt + k * kSeen, kSeen) = x;
-    for (int d = assumed; d > 0; --d) x = (mode.state * x + mode.row * mode.command * sent(d)).eval();
-    force -= mode.row / compliance_ * mode.wouldBe.transpose() * x;
+    MatrixXd x = MatrixXd::Zero(seenStates, size);
+    x.middleCols(seenAt + k * seenStates, seenStates) = mode.state;
+    x += product(mode.command, sent(assumed + 1));
+    MatrixXd innovation = -x.middleRows(read_, 1);
+    innovation(0, k * plantStates + read_) += 1.0;
+    x += product(mode.gain[index], innovation);
+    next.middleRows(seenAt + k * seenStates, seenStates) = x;
+    for (int d = assumed; d > 0; --d) move(mode.state, mode.command, sent(d), x);
+    force -= mode.row / compliance_ * product(mode.wouldBe, x);
   }
-  next.row(sentAt) = force;
-  for (Eigen::Index i = sentAt + 1; i < size; ++i) next(i, i - 1) = 1.0;
+  next.middleRows(sentAt, 1) = force;
+  for (Index i = sentAt + 1; i < size; ++i) next(i, i - 1) = 1.0;
   Drive drive = data_.drive;
   drive.stiffness *= errors.cable;
-  for (Eigen::Index k = 0; k < n; ++k) {
+  for (Index k = 0; k < n; ++k) {
     const Mode& mode = modes_[static_cast<std::size_t>(k)];
-    MatrixXd x = MatrixXd::Zero(kPlant, size);
-    x.middleCols(k * kPlant, kPlant).setIdentity();
-    const auto move = [&](double seconds, const Eigen::RowVectorXd& under) {
-      const ModeMotion<kMech> m = modeMotion<kMech>(drive, mode.inertia * errors.mass, seconds);
-      const Eigen::Map<const Eigen::Matrix<double, kPlant, kPlant, Eigen::RowMajor>> state(&m.state[0][0]);
-      const Eigen::Map<const Matrix<kPlant, 1>> command(m.command);
-      x = (state * x + mode.row * command * under).eval();
+    MatrixXd x = MatrixXd::Zero(plantStates, size);
+    for (Index i = 0; i < plantStates; ++i) x(i, k * plantStates + i) = 1.0;
+    const auto moveFor = [&](double seconds, const MatrixXd& under) {
+      const double inertia = mode.inertia * errors.mass;
+      const Motion m = mechanical_ == 4 ? motionOf<4>(drive, inertia, seconds) : motionOf<2>(drive, inertia, seconds);
+      move(m.state, m.command, mode.row * under, x);
     };
-    if (part > 0.0) move(part * T, sent(whole + 1));
-    move((1.0 - part) * T, whole == 0 ? force : sent(whole));
-    next.middleRows(k * kPlant, kPlant) = x;
+    if (part > 0.0) moveFor(part * T, sent(whole + 1));
+    moveFor((1.0 - part) * T, whole == 0 ? force : sent(whole));
+    next.middleRows(k * plantStates, plantStates) = x;
   }
   if (n == 1) return next;
-  const MatrixXd motions = alongWall(size);
-  const MatrixXd basis = motions.householderQr().householderQ() * MatrixXd::Identity(size, size);
-  const MatrixXd rest = basis.rightCols(size - motions.cols());
-  return rest.transpose() * next * rest;
+  const MatrixXd motions = alongWall(size), rest = basisOf(motions).rightCols(size - motions.cols());
+  return product(rest.transpose(), product(next, rest));
 }
 
 LinearLoop::LinearLoop(const DeviceParameters& device, double period, int delay) : delay_(delay) {
@@ -269,17 +282,14 @@ LinearLoop::LinearLoop(const DeviceParameters& device, double period, int delay)
       for (const double push : {0.0, modes.handStep, std::max(modes.handStep, half)})
         cases.push_back({normal, push, jumps});
     cases_.insert(cases_.end(), cases.begin(), cases.end());
-    if (modes.data.drive.stiffness > 0.0)
-      loops_.push_back(std::make_unique<LoopOf<4>>(modes, row, cases));
-    else
-      loops_.push_back(std::make_unique<LoopOf<2>>(modes, row, cases));
+    walls_.emplace_back(modes, row, cases);
   }
 }
 
 LinearLoop::~LinearLoop() = default;
 LinearLoop::LinearLoop(LinearLoop&&) noexcept = default;
 
-const Drive& LinearLoop::drive() const noexcept { return loops_.front()->drive(); }
+const Drive& LinearLoop::drive() const noexcept { return walls_.front().drive(); }
 
 MatrixXd LinearLoop::matrix(const DeviceErrors& errors, std::size_t index) const {
   constexpr double kLatest = 16.0;  // ticks
@@ -291,8 +301,8 @@ MatrixXd LinearLoop::matrix(const DeviceErrors& errors, std::size_t index) const
   const double late = delay_ + errors.delay;
   require(late >= 0.0 && late <= kLatest,
           "stability: the delay is " + formatNumber(late) + " ticks, must be in 0 to " + formatNumber(kLatest));
-  const std::size_t each = cases_.size() / loops_.size();
-  return loops_[index / each]->matrix(errors, index % each);
+  const std::size_t each = cases_.size() / walls_.size();
+  return walls_[index / each].matrix(errors, index % each);
 }
 
 double LinearLoop::radius(const DeviceErrors& errors, Scope scope) const {

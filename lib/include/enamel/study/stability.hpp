@@ -2,7 +2,6 @@
 // Assumptions and results: lib/docs/stability.md.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "enamel/device/device_file.hpp"
@@ -57,12 +56,10 @@ class LinearLoop {
   bool isStable(const DeviceErrors& errors, Scope scope) const;
 
  private:
-  class Loop;
-  template <int>
-  class LoopOf;
+  class Wall;
   int delay_;
   std::vector<LinearCase> cases_;
-  std::vector<std::unique_ptr<const Loop>> loops_;  // one for each normal
+  std::vector<Wall> walls_;  // one for each normal
 };
 
 /// The largest interval around the nominal value in which the loop is stable, if the other errors are nominal. Empty
