@@ -8,21 +8,39 @@
 
 #include "enamel/core/error.hpp"
 
+// Complex products and systems are written as real ones: each further kind of decomposition compiles for seconds.
 namespace enamel {
 
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 
-MatrixXd product(const MatrixXd& A, const MatrixXd& B) { return A * B; }
-MatrixXcd product(const MatrixXcd& A, const MatrixXcd& B) { return A * B; }
+double norm1(const MatrixXd& A) { return A.cwiseAbs().colwise().sum().maxCoeff(); }
 
-MatrixXd solve(const MatrixXd& A, const MatrixXd& B, double* reciprocalCondition) {
-  const Eigen::PartialPivLU<MatrixXd> lu(A);
-  if (reciprocalCondition != nullptr) *reciprocalCondition = lu.rcond();
-  return lu.solve(B);
+MatrixXd product(const MatrixXd& A, const MatrixXd& B) { return A * B; }
+MatrixXd solve(const MatrixXd& A, const MatrixXd& B) { return Eigen::PartialPivLU<MatrixXd>(A).solve(B); }
+
+MatrixXcd product(const MatrixXcd& A, const MatrixXcd& B) {
+  const MatrixXd a = A.real(), b = A.imag(), c = B.real(), d = B.imag();
+  MatrixXcd C(A.rows(), B.cols());
+  C.real() = product(a, c) - product(b, d);
+  C.imag() = product(a, d) + product(b, c);
+  return C;
 }
 
-MatrixXcd solve(const MatrixXcd& A, const MatrixXcd& B) { return Eigen::PartialPivLU<MatrixXcd>(A).solve(B); }
+MatrixXcd solve(const MatrixXcd& A, const MatrixXcd& B) {
+  const Eigen::Index n = A.rows(), m = B.cols();
+  MatrixXd left(2 * n, 2 * n), right(2 * n, m);
+  left.topLeftCorner(n, n) = left.bottomRightCorner(n, n) = A.real();
+  left.topRightCorner(n, n) = -A.imag();
+  left.bottomLeftCorner(n, n) = A.imag();
+  right.topRows(n) = B.real();
+  right.bottomRows(n) = B.imag();
+  const MatrixXd x = solve(left, right);
+  MatrixXcd X(n, m);
+  X.real() = x.topRows(n);
+  X.imag() = x.bottomRows(n);
+  return X;
+}
 
 Eigen::VectorXcd eigenvalues(const MatrixXd& A) {
   if (A.rows() != A.cols() || A.rows() == 0 || !A.allFinite())

@@ -5,11 +5,13 @@
 
 namespace enamel {
 
+double norm1(const Eigen::MatrixXd& A);  ///< largest sum of absolute values in a column
+
 Eigen::MatrixXd product(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 Eigen::MatrixXcd product(const Eigen::MatrixXcd& A, const Eigen::MatrixXcd& B);
 
-/// Return A^-1 B by LU with partial pivoting, and an estimate of 1 / cond(A) in the norm of column sums.
-Eigen::MatrixXd solve(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double* reciprocalCondition = nullptr);
+/// Return A^-1 B by LU with partial pivoting. It is not finite if A is singular.
+Eigen::MatrixXd solve(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 Eigen::MatrixXcd solve(const Eigen::MatrixXcd& A, const Eigen::MatrixXcd& B);
 
 /// Return the eigenvalues. Throws DesignError if the iteration does not converge.

@@ -14,8 +14,6 @@ namespace {
 
 using Eigen::MatrixXd;
 
-double norm1(const MatrixXd& A) { return A.cwiseAbs().colwise().sum().maxCoeff(); }
-
 // Number of halvings s for which the Pade approximant of degree 13 of 2^-s A is exact to rounding (Al-Mohy and Higham
 // 2009, eq. 3.6 and algorithm 5.1).
 int halvingsFor(const MatrixXd& A, const MatrixXd& A4, const MatrixXd& A6) {

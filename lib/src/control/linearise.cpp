@@ -119,10 +119,11 @@ StateSpace outputsAsStates(const Linearisation& linearisation) {
     if (!(largest > 0.0)) throw DesignError("eq. 5: C is singular: no output shows state " + std::to_string(i));
     columnScale[i] = std::ldexp(1.0, -std::ilogb(largest));
   }
-  double reciprocalCondition = 0.0;
-  const MatrixXd inverse = columnScale.asDiagonal() * solve(rowsScaled * columnScale.asDiagonal(),
-                                                            MatrixXd(rowScale.asDiagonal()), &reciprocalCondition);
-  if (!(reciprocalCondition > 1e-12)) throw DesignError("eq. 5: C is singular: the outputs do not determine the state");
+  const MatrixXd scaled = rowsScaled * columnScale.asDiagonal();
+  const MatrixXd solved = solve(scaled, rowScale.asDiagonal());  // scaled^-1 times the scales of the rows
+  const double condition = norm1(scaled) * norm1(solved * rowScale.cwiseInverse().asDiagonal());
+  if (!(condition < 1e12)) throw DesignError("eq. 5: C is singular: the outputs do not determine the state");
+  const MatrixXd inverse = columnScale.asDiagonal() * solved;
   return {product(product(C, linearisation.model.A), inverse), product(C, linearisation.model.B)};
 }
 
