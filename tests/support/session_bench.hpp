@@ -211,6 +211,36 @@ class RandomChanges {
   std::thread thread_;  // the last member: it uses the others
 };
 
+// What watch() saw.
+struct Watched {
+  int lateStops = 0;     // stops of the guard after periods without a tick or a sample: the machine was busy
+  int otherStops = 0;    // stops without such periods
+  double pressed = 0.0;  // share of the snapshots with a rendered contact
+};
+
+// Watch a running session, and continue after each stop of its guard. A late tick holds a torque too long, so that the
+// guard may stop for energy or speed too.
+inline Watched watch(Session& session, std::chrono::duration<double> length) {
+  Watched watched;
+  std::uint64_t missed = 0;
+  double snapshots = 0.0, pressed = 0.0;
+  const auto end = std::chrono::steady_clock::now() + length;
+  do {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const Snapshot now = session.snapshot();
+    ++snapshots;
+    pressed += now.fault == GuardReason::none && now.tick.mode != RenderMode::free;
+    for (SessionEvent event; session.nextEvent(event);) {
+      if (event.kind != EventKind::guardStop) continue;
+      ++(now.missed + now.held > missed ? watched.lateStops : watched.otherStops);
+      missed = now.missed + now.held;
+      session.reset();
+    }
+  } while (std::chrono::steady_clock::now() < end);
+  watched.pressed = pressed / snapshots;
+  return watched;
+}
+
 inline std::shared_ptr<const Solid> cutSolidOf(const Session& session) {
   return std::get<std::shared_ptr<const Solid>>(session.haptics().scene().scene().obstacles()[0].shape);
 }

@@ -157,27 +157,31 @@ TEST_CASE("changes at random delay no tick, and the torque does not jump", "[tim
     (void)session.add(test::wallAt("wall", 0.0));
     session.start(makeVirtualDevice(session));
     int changes = 0;
+    test::Watched watched;
     if (isChanged) {
       test::RandomChanges one(session, 1, length), two(session, 2, length);
+      watched = test::watch(session, length);
       for (test::RandomChanges* thread : {&one, &two}) {
         const auto [made, failed] = thread->finish();
         changes += made;
         CHECK(failed == 0);
       }
     } else {
-      std::this_thread::sleep_for(length);
+      watched = test::watch(session, length);
     }
     const PeriodicTiming& timing = session.loop()->timing();
     const auto ticks = timing.periods.load(), missed = timing.missed.load();
     std::printf(
         "%d changes by two threads: %llu ticks, %llu deadlines missed; compute median %.1f us, 99.9 %% %.1f us; "
-        "largest "
-        "torque step %.3f of the guard's limit\n",
+        "largest torque step %.3f of the guard's limit; stopped %d times, pressed %.0f %% of the time\n",
         changes, static_cast<unsigned long long>(ticks), static_cast<unsigned long long>(missed),
-        1e6 * timing.compute.quantile(0.5), 1e6 * timing.compute.quantile(0.999), largest.load());
+        1e6 * timing.compute.quantile(0.5), 1e6 * timing.compute.quantile(0.999), largest.load(), watched.lateStops,
+        1e2 * watched.pressed);
     CHECK(static_cast<double>(ticks) > 0.5 * def.rate * length.count());
     CHECK(timing.compute.quantile(0.99) < 0.5 / def.rate);
     CHECK(largest.load() <= 1.0 + 1e-9);
+    CHECK(watched.otherStops == 0);
+    if (test::longRun()) CHECK(watched.pressed > 0.5);
   }
 }
 
