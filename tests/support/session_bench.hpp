@@ -211,7 +211,7 @@ class RandomChanges {
   std::thread thread_;  // the last member: it uses the others
 };
 
-// What watch() saw.
+// Result of watch().
 struct Watched {
   int lateStops = 0;     // stops of the guard after periods without a tick or a sample: the machine was busy
   int otherStops = 0;    // stops without such periods
