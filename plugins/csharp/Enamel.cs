@@ -278,6 +278,8 @@ namespace Enamel
         public ulong held;
         public ulong dropped_events;
         public ulong lost_cuts;
+        public ulong unsent;
+        public double since_tick;
         public int mode;
         public int status;
         public int reason;

@@ -378,6 +378,8 @@ class EnamelSnapshot(Structure):
         ("held", c_uint64),
         ("dropped_events", c_uint64),
         ("lost_cuts", c_uint64),
+        ("unsent", c_uint64),
+        ("since_tick", c_double),
         ("mode", c_int32),
         ("status", c_int32),
         ("reason", c_int32),

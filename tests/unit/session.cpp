@@ -2,9 +2,11 @@
 // recording.
 #include "enamel/session/session.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <thread>
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
@@ -12,6 +14,7 @@
 #include "enamel/sim/hand.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
+#include "support/eventually.hpp"
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
 #include "support/session_bench.hpp"
@@ -24,6 +27,7 @@ using test::ContainsSubstring;
 using test::cube;
 using test::definition;
 using test::eventsOf;
+using test::eventually;
 using test::pushing;
 using test::wallAt;
 
@@ -390,6 +394,39 @@ TEST_CASE("a definition out of range is refused with its reason", "[session]") {
              }),
              ContainsSubstring("the scale is 1000"));
   CHECK_THAT(refusal([](SessionDef& d) { d.bur = Bur{3, 0.05, 2000.0}; }), ContainsSubstring("the bur is part 3"));
+}
+
+TEST_CASE("a host sees refused commands, and a loop that hangs", "[session][threads]") {
+  class Refusing final : public HapticDevice {
+   public:
+    explicit Refusing(const Session& session) : device_(makeVirtualDevice(session)) {}
+    Status measure(Measurement& measurement) noexcept override { return device_->measure(measurement); }
+    Status actuate(const Command&) noexcept override { return Status::inactive; }
+
+   private:
+    std::unique_ptr<SimulatedDevice> device_;
+  };
+  std::atomic<bool> hangs{false};
+  SessionDef def = definition();
+  def.lockMemory = false;
+  def.beforeTick = [&hangs](TickAccess&) {
+    while (hangs) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  Session session(def);
+  CHECK(session.snapshot().sinceTick == 0.0);
+  session.start(std::make_unique<Refusing>(session));
+  REQUIRE(eventually([&] { return session.snapshot().unsent > 3; }));
+  hangs = true;
+  constexpr double kLong = 0.05;  // s
+  REQUIRE(eventually([&] { return session.snapshot().sinceTick > kLong; }));
+  const std::uint64_t last = session.snapshot().tick.number;
+  hangs = false;
+  REQUIRE(eventually([&] {
+    const Snapshot now = session.snapshot();
+    return now.tick.number > last && now.sinceTick < kLong;
+  }));
+  session.stop();
+  CHECK(session.snapshot().sinceTick == 0.0);
 }
 
 TEST_CASE("a loop in its own thread, changed by two others at random", "[session][threads]") {

@@ -115,6 +115,8 @@ void toPlain(const Snapshot& in, EnamelSnapshot& out) noexcept {
   out.held = in.held;
   out.dropped_events = in.droppedEvents;
   out.lost_cuts = in.lostCuts;
+  out.unsent = in.unsent;
+  out.since_tick = in.sinceTick;
   out.mode = static_cast<std::int32_t>(tick.mode);
   out.status = resultOf(tick.status);
   out.reason = static_cast<std::int32_t>(tick.reason);

@@ -65,6 +65,14 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
 
 LoopBody::~LoopBody() { device_.close(); }
 
+Status LoopBody::send() noexcept {
+  const Status sent = device_.actuate(command_);
+  if (sent == Status::ok) return sent;
+  unsent_.fetch_add(1, std::memory_order_relaxed);
+  if (sink_ != nullptr) sink_->unsent();
+  return sent;
+}
+
 bool LoopBody::step() noexcept {
   const auto begin = Clock::now();
   if (first_ && sink_ != nullptr) sink_->atStart();
@@ -85,7 +93,7 @@ bool LoopBody::step() noexcept {
     heldAll_.fetch_add(1, std::memory_order_relaxed);
     // If the loop polls faster than the device measures, a sample may be late by half of the difference.
     if (silence_ < ((measurement_.age + 1) * ticks_ + 0.5 * (ticks_ - period_)) * (1.0 - 1e-9)) {
-      if (device_.actuate(command_) != Status::ok) unsent_.fetch_add(1, std::memory_order_relaxed);
+      (void)send();
       return true;
     }
     ++measurement_.age;
@@ -105,9 +113,8 @@ bool LoopBody::step() noexcept {
   tick_.status = haptics_(tick_.measurement, command_);
   tick_.command = command_;
   tick_.compute = since(measured);
-  const Status sent = device_.actuate(command_);
+  const Status sent = send();
   tick_.age = since(begin);
-  if (sent != Status::ok) unsent_.fetch_add(1, std::memory_order_relaxed);
   tick_.device = device != Status::ok ? device : sent;
   age_.add(tick_.age);
 

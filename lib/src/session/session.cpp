@@ -12,6 +12,7 @@
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/sim/hand.hpp"
+#include "runtime/system_thread.hpp"
 #include "session/impl.hpp"
 
 namespace enamel {
@@ -180,6 +181,7 @@ void Session::Impl::requireRoom() {
 void Session::Impl::enterLoop(Loop kind) {
   hasRun = true;
   lastTime = -1.0;
+  began.store(system::clockNow(), std::memory_order_relaxed);
   atStart();
   runs.store(kind, std::memory_order_release);
 }
@@ -297,7 +299,10 @@ Status Session::tick(const Measurement& measurement, Command& command) noexcept 
 Snapshot Session::snapshot() const {
   const Lock lock = impl_->lock();
   impl_->snapshots.refresh();
-  return impl_->snapshots.latest();
+  Snapshot now = impl_->snapshots.latest();
+  if (impl_->isLive())
+    now.sinceTick = 1e-9 * static_cast<double>(system::clockNow() - impl_->began.load(std::memory_order_relaxed));
+  return now;
 }
 
 bool Session::nextEvent(SessionEvent& event) {

@@ -47,6 +47,9 @@ class TickSink {
   /// Called before each tick. It may change the measurement, for example `enabled`. Must be Realtime: yes.
   virtual void before(Measurement& measurement) noexcept { (void)measurement; }
 
+  /// Called when actuate() refused a command. Must be Realtime: yes.
+  virtual void unsent() noexcept {}
+
   /// Called after actuate(). `haptics` has the TickFrame with its output, and the guard. Must be Realtime: yes.
   virtual void tick(const LoopTick& tick, const HapticTick& haptics) noexcept = 0;
 };
@@ -98,6 +101,8 @@ class LoopBody {
   double period() const noexcept { return period_; }
 
  private:
+  Status send() noexcept;
+
   HapticDevice& device_;
   HapticTick& haptics_;
   TickSink* sink_;

@@ -79,8 +79,10 @@ struct Snapshot {
   RemovedVolume removed{};          ///< material removed by this session since its start, m^3 by layer
   std::uint64_t missed = 0;         ///< periods that passed without a tick, by the time stamps
   std::uint64_t held = 0;           ///< ticks without a new sample
+  std::uint64_t unsent = 0;         ///< commands that the device of start() refused
   std::uint64_t droppedEvents = 0;  ///< events without room in the queue
   std::uint64_t lostCuts = 0;       ///< cuts that another session did not take in time: its solids have more material
+  double sinceTick = 0.0;           ///< s since the last tick began: grows if the loop hangs; 0: no loop runs
 };
 
 /// Largest component of an effect, N and N m.
