@@ -58,6 +58,7 @@ ENAMEL_MISSED = 4
 ENAMEL_DEVICE_LOST = 5
 ENAMEL_DEVICE_BACK = 6
 ENAMEL_RECORDING_END = 7
+ENAMEL_UNUSUAL_SIZE = 8
 
 ENAMEL_MAX_CONTACTS = 8
 ENAMEL_MAX_JOINTS = 7
@@ -407,6 +408,7 @@ class EnamelEvent(Structure):
         ("impulse", c_double),
         ("removed", (c_double * 8)),
         ("count", c_uint64),
+        ("extent", c_double),
         ("part", c_int32),
         ("reason", c_int32),
     ]

@@ -236,7 +236,7 @@ CHECK(at_EnamelSnapshot_buttons, offsetof(EnamelSnapshot, buttons), 508);
 CHECK(at_EnamelSnapshot_contact_count, offsetof(EnamelSnapshot, contact_count), 512);
 CHECK(at_EnamelSnapshot_reserved, offsetof(EnamelSnapshot, reserved), 516);
 CHECK(at_EnamelSnapshot_contacts, offsetof(EnamelSnapshot, contacts), 520);
-CHECK(size_EnamelEvent, sizeof(EnamelEvent), 176);
+CHECK(size_EnamelEvent, sizeof(EnamelEvent), 184);
 CHECK(at_EnamelEvent_size, offsetof(EnamelEvent, size), 0);
 CHECK(at_EnamelEvent_kind, offsetof(EnamelEvent, kind), 4);
 CHECK(at_EnamelEvent_tick, offsetof(EnamelEvent, tick), 8);
@@ -248,7 +248,8 @@ CHECK(at_EnamelEvent_speed, offsetof(EnamelEvent, speed), 80);
 CHECK(at_EnamelEvent_impulse, offsetof(EnamelEvent, impulse), 88);
 CHECK(at_EnamelEvent_removed, offsetof(EnamelEvent, removed), 96);
 CHECK(at_EnamelEvent_count, offsetof(EnamelEvent, count), 160);
-CHECK(at_EnamelEvent_part, offsetof(EnamelEvent, part), 168);
-CHECK(at_EnamelEvent_reason, offsetof(EnamelEvent, reason), 172);
+CHECK(at_EnamelEvent_extent, offsetof(EnamelEvent, extent), 168);
+CHECK(at_EnamelEvent_part, offsetof(EnamelEvent, part), 176);
+CHECK(at_EnamelEvent_reason, offsetof(EnamelEvent, reason), 180);
 
 int main(void) { return 0; }

@@ -18,6 +18,7 @@
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
 #include "support/session_bench.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test_session {
 
@@ -394,6 +395,40 @@ TEST_CASE("a definition out of range is refused with its reason", "[session]") {
              }),
              ContainsSubstring("the scale is 1000"));
   CHECK_THAT(refusal([](SessionDef& d) { d.bur = Bur{3, 0.05, 2000.0}; }), ContainsSubstring("the bur is part 3"));
+}
+
+TEST_CASE("an obstacle that is probably in another unit gives an event", "[session]") {
+  const test::TemporaryFolder folder;
+  SessionDef def = definition();
+  def.scene = folder / "micrometres.toml";
+  test::writeFile(def.scene,
+                  "name = \"micrometres\"\nstart = [0, 0, 0]\n[[obstacle]]\nname = \"molar\"\nshape = \"mesh\"\n"
+                  "file = \"" ENAMEL_SOURCE_DIR "/data/meshes/molar.ply\"\nunit = \"um\"\nposition = [0, 0, -0.1]\n");
+  const double scale = GENERATE(1.0, 5.0);
+  if (scale != 1.0) def.map = WorkspaceMap{Pose{}, scale};
+  Session session(def);
+  std::vector<SessionEvent> events = eventsOf(session, EventKind::unusualSize);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].obstacle == session.find("molar"));
+  CHECK(events[0].extent == Approx(11e-6).epsilon(0.1));
+
+  SessionObstacle box = ball("box", {0.0, 0.0, -10.0}, 1e-3);
+  box.mesh = std::make_shared<MeshModel>(test::boxMesh({1.5, 0.1, 0.1}));
+  const ObstacleId id = session.add(box);
+  SessionObstacle tooth = ball("tooth", {0.1, 0.0, 0.0}, 1e-3);
+  tooth.solid = cube();
+  (void)session.add(tooth);
+  (void)session.add(wallAt("wall", -1.0));
+  events = eventsOf(session, EventKind::unusualSize);
+  REQUIRE(events.size() == (scale == 1.0 ? 1 : 0));
+  if (!events.empty()) CHECK(events[0].obstacle == id);
+
+  box.mesh = std::make_shared<MeshModel>(test::boxMesh({0.1, 0.1, 6.0}));
+  session.replace(id, box);
+  events = eventsOf(session, EventKind::unusualSize);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].extent == Approx(12.0));
+  CHECK(std::string(toString(events[0].kind)) == "unusual size of an obstacle: is its unit right?");
 }
 
 TEST_CASE("a host sees refused commands, and a loop that hangs", "[session][threads]") {

@@ -142,6 +142,7 @@ void toPlain(const SessionEvent& in, EnamelEvent& out) noexcept {
   out.impulse = in.impulse;
   std::copy(in.removed.begin(), in.removed.end(), out.removed);
   out.count = in.count;
+  out.extent = in.extent;
   out.part = in.part;
   out.reason = static_cast<std::int32_t>(in.reason);
 }

@@ -80,6 +80,7 @@ struct Session::Impl final : TickSink {
   void enter(std::unique_ptr<session::World> next);
   std::size_t slotOf(ObstacleId id) const;
   void changeObstacles(session::Obstacles next);
+  void checkSize(ObstacleId id);
   RendererChoice choose(const std::string& name, const std::map<std::string, std::string>& parameters) const;
   void select(RendererChoice next);
   void enterLoop(Loop kind);

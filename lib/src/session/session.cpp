@@ -97,6 +97,8 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
     member->inboxes.push_back(there);
   }
   group->members.push_back(this);
+  for (std::size_t i = 0; i < group->obstacles.generation.size() && !def.sharesWith; ++i)
+    checkSize({static_cast<int>(i), group->obstacles.generation[i]});
 }
 
 Session::Impl::~Impl() { leave(); }
@@ -220,6 +222,15 @@ void Session::Impl::changeObstacles(Obstacles next) {
   }
   for (std::size_t i = 0; i < worlds.size(); ++i) group->members[i]->enter(std::move(worlds[i]));
   group->obstacles = std::move(next);
+}
+
+// Report a size that suggests another unit. Nothing is reported if 1024 changes are waiting.
+void Session::Impl::checkSize(ObstacleId id) {
+  SessionEvent event;
+  event.kind = EventKind::unusualSize;
+  event.obstacle = id;
+  event.extent = unusualSize(group->obstacles.scene.obstacles()[static_cast<std::size_t>(id.slot)], scale());
+  if (event.extent > 0.0 && queue.hasRoom()) post([this, event]() noexcept { sendEvent(event); });
 }
 
 void Session::Impl::select(RendererChoice next) {

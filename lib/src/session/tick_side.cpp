@@ -296,6 +296,7 @@ const char* toString(EventKind kind) noexcept {
     case EventKind::deviceLost: return "device lost";
     case EventKind::deviceBack: return "device back";
     case EventKind::recordingEnd: return "recording ended";
+    case EventKind::unusualSize: return "unusual size of an obstacle: is its unit right?";
   }
   return "unknown event";
 }

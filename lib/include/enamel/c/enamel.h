@@ -271,7 +271,8 @@ enum EnamelEventKind {
   ENAMEL_MISSED = 4,
   ENAMEL_DEVICE_LOST = 5,
   ENAMEL_DEVICE_BACK = 6,
-  ENAMEL_RECORDING_END = 7
+  ENAMEL_RECORDING_END = 7,
+  ENAMEL_UNUSUAL_SIZE = 8 /* a new mesh or solid is probably in another unit: extent */
 };
 
 typedef struct EnamelEvent {
@@ -285,6 +286,7 @@ typedef struct EnamelEvent {
   double impulse;                    /* of a contact that ends, at the hand, N s */
   double removed[ENAMEL_MAX_LAYERS]; /* of a cut, m^3 by layer */
   uint64_t count;                    /* of missed periods */
+  double extent;                     /* of an unusual size, m */
   int32_t part;
   int32_t reason; /* of a stop by the guard */
 } EnamelEvent;

@@ -103,6 +103,7 @@ enum class EventKind : std::uint8_t {
   deviceLost,    ///< the device gives no samples, or its driver failed
   deviceBack,    ///< it gives samples again; a fault of the guard remains until reset()
   recordingEnd,  ///< a change of scene, tool or renderer ended the recording
+  unusualSize,   ///< the size of a new mesh or solid suggests another unit: `extent` (see unusualSize())
 };
 
 struct SessionEvent {
@@ -118,6 +119,7 @@ struct SessionEvent {
   GuardReason reason = GuardReason::none;
   RemovedVolume removed{};  ///< m^3 by layer
   std::uint64_t count = 0;  ///< of `missed`
+  double extent = 0.0;      ///< unusualSize: the largest one of the obstacle along its axes, m
 };
 
 /// Return the name of a kind in plain words. Realtime: yes.
