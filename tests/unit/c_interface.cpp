@@ -506,6 +506,30 @@ TEST_CASE("an own mechanism and an own device, in a loop of their own", "[c][thr
   EnamelSession* none = nullptr;
   CHECK(enamel_session_create(&def, &none, {text, sizeof text}) == ENAMEL_FAILED);
   CHECK_THAT(text, ContainsSubstring("joint 1 has an encoder step of 0"));
+
+  bad = cartesian();
+  bad.reach = [](void* user, const EnamelPose* pose, const double* twist, EnamelKinematics* state) {
+    reachOf(user, pose, twist, state);
+    for (int i = 0; i < 3; ++i) state->jacobian[i][i] = 0.0;
+    return std::int32_t{ENAMEL_OK};
+  };
+  CHECK(enamel_session_create(&def, &none, {text, sizeof text}) == ENAMEL_FAILED);
+  CHECK_THAT(text, ContainsSubstring("device \"my axes\": reach() at the start pose: the Jacobian is zero"));
+  bad.reach = [](void* user, const EnamelPose* pose, const double* twist, EnamelKinematics* state) {
+    reachOf(user, pose, twist, state);
+    state->gravity[1] = std::nan("");
+    return std::int32_t{ENAMEL_OK};
+  };
+  CHECK(enamel_session_create(&def, &none, {text, sizeof text}) == ENAMEL_FAILED);
+  CHECK_THAT(text, ContainsSubstring("reach() of the home pose gives a number that is not finite"));
+  bad.reach = reachOf;
+  bad.track = [](void* user, const double* q, const double* rates, EnamelKinematics* state) {
+    trackOf(user, q, rates, state);
+    state->jacobian[0][0] = std::nan("");
+    return std::int32_t{ENAMEL_OK};
+  };
+  CHECK(enamel_session_create(&def, &none, {text, sizeof text}) == ENAMEL_FAILED);
+  CHECK_THAT(text, ContainsSubstring("track() at the start pose: the status is \"not finite\", must be ok; a number"));
 }
 
 TEST_CASE("before_tick moves, activates and adds effects; a virtual device runs in real time", "[c][threads]") {

@@ -72,9 +72,12 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
   Kinematics atStart = seen.home();
   const Status startStatus =
       isRotation(start.rotation) ? seen.reach(start, Vec6::Zero(), false, atStart) : Status::outOfRange;
-  require(startStatus == Status::ok,
+  const bool isOfDevice =
+      startStatus == Status::notFinite && start.position.allFinite();  // checkMechanism() reports it
+  require(startStatus == Status::ok || isOfDevice,
           std::string("session: the start pose of the tool is ") + toString(startStatus) +
               "; is it in metres, with a rotation matrix, and within the device's workspace?");
+  checkMechanism(seen, start);
   choice = choose(def.renderer, def.parameters);
   GuardOptions guard = def.guard ? *def.guard : guardFor(*device, period);
   if (mapped) guard = toScene(guard, mapped->map());
