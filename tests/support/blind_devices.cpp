@@ -1,5 +1,6 @@
 #include "support/blind_devices.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "enamel/core/error.hpp"
@@ -56,6 +57,7 @@ void name(BlindDevice& device) {
     device.value["torque ratio of " + joint] = device.built.torqueConstant[i];
     device.value["cogging of " + joint] = device.built.cogging[i];
   }
+  device.value["imperfections.torque_ripple"] = device.built.imperfections.torqueRipple;
   device.value["imperfections.periods"] = device.built.imperfections.periods;
 }
 
@@ -105,8 +107,18 @@ BlindDevice makeDelta(Draw& draw) {
   e.periods = draw.factor(40.0, 150.0);
   e.cableStiffness = draw.factor(50.0, 400.0);
   e.cableDamping = e.cableStiffness * draw.factor(5e-5, 2e-4);
-  e.massError = 0.0;
+  const double length = file.imperfections.lengthError, offset = file.imperfections.encoderOffset;
+  DeltaGeometry& g = truth.geometry;
+  for (double* const l : {&g.a, &g.b, &g.c, &g.d, &g.e, &g.f, &g.r, &g.s}) *l *= 1.0 + draw.uniform(-length, length);
+  e.massError = e.lengthError = e.encoderOffset = 0.0;
   device.built = makeImperfectDevice(truth, draw.seed());
+  const JointVector expected = makeMechanism(file)->home().q - makeMechanism(truth)->home().q;  // set at home
+  device.built.offset += expected;
+  for (int i = 0; i < 3; ++i) {
+    const double error = draw.uniform(-offset, offset);
+    device.built.offset[i] += error;
+    device.value["encoder offset of joint " + std::to_string(i + 1)] = error;
+  }
   device.built.torqueConstant = drawRatios(draw, 3, 3);
   device.built.coulombFriction = drawAround(draw, 3, draw.factor(0.002, 0.008));
   device.built.cogging = drawAround(draw, 3, draw.factor(5e-4, 2e-3));
@@ -134,13 +146,10 @@ BlindDevice makeBlindDevice(BlindKind kind, std::uint64_t seed) {
   return device;
 }
 
-std::vector<RecordedTick> recordBlind(const BlindDevice& device, double duration, std::uint64_t seed,
-                                      const ExternalWrench* load) {
-  const std::shared_ptr<const Mechanism> mechanism = makeMechanism(device.file);
-  ExcitationOptions options;
-  options.duration = duration;
-  options.seed = seed;
-  const Excitation excitation = designExcitation(*mechanism, options);
+namespace {
+
+std::vector<RecordedTick> record(const BlindDevice& device, const Mechanism& mechanism, const Excitation& excitation,
+                                 std::uint64_t seed, const ExternalWrench& load) {
   VirtualDeviceSetup setup;
   setup.encoders = {true, RateSource::difference, 100.0};
   setup.delay = device.delay;
@@ -149,7 +158,6 @@ std::vector<RecordedTick> recordBlind(const BlindDevice& device, double duration
   setup.seed = seed;
   VirtualDevice plant(std::make_unique<ImperfectPlant>(device.built), setup);
   std::vector<RecordedTick> ticks;
-  const auto nothing = [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); };
   const auto each = [&](std::uint64_t number, const Measurement& measurement, const HapticTick& haptics,
                         const Command& command, Status status) {
     RecordedTick tick;
@@ -161,11 +169,28 @@ std::vector<RecordedTick> recordBlind(const BlindDevice& device, double duration
     tick.reason = haptics.frame().reason;
     ticks.push_back(tick);
   };
-  const ExternalWrench free(nothing);
-  const GuardReason reason = runExcitation(excitation, *mechanism, plant, load != nullptr ? *load : free, each);
-  if (reason != GuardReason::none)
-    throw Error("the guard stopped the excitation at " + std::to_string(plant.time()) + " s: " + toString(reason));
+  const GuardReason reason = runExcitation(excitation, mechanism, plant, load, each);
+  if (reason != GuardReason::none) throw Error(toString(reason));
   return ticks;
+}
+
+}  // namespace
+
+std::vector<RecordedTick> recordBlind(const BlindDevice& device, double duration, std::uint64_t seed,
+                                      const ExternalWrench* load) {
+  const std::shared_ptr<const Mechanism> mechanism = makeMechanism(device.file);
+  const auto nothing = [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); };
+  const ExternalWrench free(nothing);
+  ExcitationOptions options;
+  options.duration = duration;
+  options.seed = seed;
+  for (;; options.share *= 0.6, options.speed *= 0.6) {  // as the page says
+    try {
+      return record(device, *mechanism, designExcitation(*mechanism, options), seed, load != nullptr ? *load : free);
+    } catch (const Error&) {
+      if (options.share < 0.1) throw;
+    }
+  }
 }
 
 }  // namespace enamel::test

@@ -26,8 +26,8 @@ enum class BlindKind { cartesian3, delta, tau, cartesian6 };
 /// Draw a device.
 BlindDevice makeBlindDevice(BlindKind kind, std::uint64_t seed);
 
-/// Record the excitation that is designed for the device's file. `load` acts on the platform. Throws Error with the
-/// guard's reason if it stops the run.
+/// Record the excitation that is designed for the device's file. If the guard stops it, a weaker one follows. `load`
+/// acts on the platform. Throws Error with the guard's reason if it also stops the weakest.
 std::vector<RecordedTick> recordBlind(const BlindDevice& device, double duration, std::uint64_t seed,
                                       const ExternalWrench* load = nullptr);
 

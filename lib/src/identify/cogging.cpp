@@ -7,6 +7,7 @@ namespace enamel::identify {
 namespace {
 
 constexpr double kCoggingSpread = 0.02;   // amplitude of the largest effort
+constexpr double kRippleSpread = 0.02;    // of the torque
 constexpr double kFastest = 150.0;        // Hz, of the cogging at the typical rate
 
 double rangeOf(const Eigen::MatrixXd& reading) {
@@ -65,6 +66,11 @@ std::vector<Unknown> coggingUnknowns(const DeviceModel& model, const Eigen::Matr
   periods.scale = 0.3 * 2.0 * M_PI / range;
   periods.reference = model.drive.periods;
   unknowns.push_back(periods);
+  Unknown ripple{"imperfections.torque_ripple", "", [](DeviceModel& m) -> double& { return m.drive.torqueRipple; }};
+  ripple.scale = kRippleSpread;
+  ripple.reference = model.drive.torqueRipple;
+  ripple.isNonNegative = true;
+  unknowns.push_back(ripple);
   return unknowns;
 }
 

@@ -65,7 +65,8 @@ void addMechanism(List& list, const DeltaParameters& p) {
   };
   addLength(list, "geometry.a", length(&DeltaGeometry::a), g.a, e);
   addLength(list, "geometry.b", length(&DeltaGeometry::b), g.b, e);
-  addLength(list, "geometry.e", length(&DeltaGeometry::e), std::hypot(g.d, g.e), e);
+  addLength(list, "geometry.d", length(&DeltaGeometry::d), g.d, e);
+  addLength(list, "geometry.e", length(&DeltaGeometry::e), g.e, e);
   addLength(list, "geometry.r", length(&DeltaGeometry::r), std::hypot(g.c, g.r), e);
   addLength(list, "geometry.s", length(&DeltaGeometry::s), std::hypot(g.f, g.s), e);
 }
@@ -212,7 +213,7 @@ ImperfectDevice deviceOf(const DeviceModel& model) {
   if (model.hasCables()) std::visit(TakeRotors{}, built);
   device.mechanism = makeMechanism(built);
   device.imperfections = model.drive;
-  device.imperfections.currentBandwidth = 0.0;
+  device.imperfections.currentBandwidth = device.imperfections.torqueStep = 0.0;
   device.coulombFriction = model.coulomb;
   device.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt();
   device.coggingPhase = model.sine;

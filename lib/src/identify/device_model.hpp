@@ -31,7 +31,7 @@ DeviceModel modelOf(const DeviceParameters& device);
 /// Return ratio, scaled so that its mean is 1. Forces and moments of a Cartesian device have separate means.
 JointVector torqueRatios(const DeviceModel& model);
 
-/// Make the simulated device, without lag and delay. Throws ConfigurationError if the numbers are impossible.
+/// Make the simulated device, without lag, delay and rounding of the torque. Throws ConfigurationError if the numbers are impossible.
 ImperfectDevice deviceOf(const DeviceModel& model);
 
 /// Return the name of joint `i` in a text: "joint 2", or "axis y" of a Cartesian device.

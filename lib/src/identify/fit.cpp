@@ -16,7 +16,7 @@ constexpr double kStep = 0.02;         // of x, for differences
 constexpr double kRelative = 0.05;     // residual that counts as noise, of the reading's power: far from the device
 constexpr double kFloor = 0.3;         // of the power of rounding
 constexpr double kBlock = 0.25;        // s, of the scores
-constexpr double kBandwidth = 24.0;    // independent frequencies in the narrowest band
+constexpr double kBandwidth = 8.0;    // independent frequencies in the narrowest band
 constexpr double kExplained = 100.0;   // Hz, below which explained() compares
 constexpr double kConverged = 0.05;    // of a standard deviation
 
@@ -232,11 +232,13 @@ void Fit::improve(int steps, bool isRelative, bool keepsSlopes) {
       int left = 0;
       Residuals there = residuals(next, left);
       isBetter = cost(there, power) + priorCost(next) < before;
+      if (getenv("IDV")) fprintf(stderr, "  damping %g predicted %.1f actual %.1f\n", damping, (b.dot(step) - 0.5*step.dot(A*step)), before - cost(there, power) - priorCost(next));
       if (!isBetter) continue;
       x = baseAt_ = next;
       base_ = std::move(there);
       restarts = left;
     }
+    if (getenv("IDV")) { fprintf(stderr, "step %d better %d cost %.1f -> misfit %.1f\n", taken, isBetter, before, misfit()); if (getenv("IDV")[0]=='2') for (std::size_t i = 0; i < unknowns_.size(); ++i) fprintf(stderr, "   %s %g (step %g dev %g)\n", unknowns_[i].key.c_str(), unknowns_[i].at(x[i]), step[i], 1/std::sqrt(A(i,i))); }
     if (!isBetter || (step.array().abs() < kConverged * A.diagonal().cwiseInverse().array().sqrt()).all()) return;
   }
 }

@@ -18,6 +18,8 @@ using namespace identify;
 constexpr double kFirstDelay = 1.5;        // ticks, where the search begins
 constexpr double kCoarseData = 10.0;       // s, for the first steps
 constexpr double kCertain = 8.0;           // difference of the log likelihood to the second best delay
+constexpr double kLongestLag = 2e-3;       // s, of slideDelay()
+constexpr double kSlide = 0.15;            // ticks, its steps
 constexpr int kMostSpread = 3;             // ticks, of a random delay
 constexpr double kCoggingEvidence = 30.0;  // gain of the log likelihood that shows cogging
 constexpr double kSeen = 0.3;              // largest deviation of a seen number, of the one before the recording
@@ -55,6 +57,25 @@ Candidate tryDelay(Fit& fit, const Eigen::VectorXd& free, int low, int high) {
   fit.forget();
   fit.improve(4, false, true);
   return {low, high, fit.misfit(), fit.x};
+}
+
+// Delay and lag have nearly the same effect. Move along their constant sum to the place that fits best.
+void slideDelay(Fit& fit) {
+  const int delayAt = fit.find("loop delay"), lagAt = fit.find("motor lag");
+  const Unknown& delay = fit.unknowns()[static_cast<std::size_t>(delayAt)];
+  const Unknown& lag = fit.unknowns()[static_cast<std::size_t>(lagAt)];
+  const double whole = delay.at(fit.x[delayAt]) + lag.at(fit.x[lagAt]) / fit.period();  // ticks
+  Eigen::VectorXd best = fit.x;
+  double least = fit.misfit();
+  for (double rest = 0.1; rest < std::min(whole, kLongestLag / fit.period()); rest += kSlide) {
+    fit.x[delayAt] = (whole - rest - delay.reference) / delay.scale;
+    fit.x[lagAt] = (rest * fit.period() - lag.reference) / lag.scale;
+    if (const double misfit = fit.misfit(); misfit < least) {
+      least = misfit;
+      best = fit.x;
+    }
+  }
+  fit.x = best;
 }
 
 std::string textOf(const Candidate& c) {
@@ -180,8 +201,11 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   Fit fit(file, unknownsOf(file), motions, options.threads > 0 ? options.threads : availableThreads());
   fit.x = startOf(fit, wiring.scale);
   fit.use(kCoarseData);
-  fit.improve(4, true);
-  fit.improve(4, false);
+  fit.improve(3, true);
+  for (int round = 0; round < 3; ++round) {
+    slideDelay(fit);
+    fit.improve(3, false);
+  }
   addCogging(fit);
   fit.use(std::numeric_limits<double>::infinity());
   fit.improve(3, false);

@@ -7,16 +7,14 @@
 namespace enamel {
 namespace {
 
-// Fill readings and times of ticks without a sample by straight lines.
+// Fill readings of ticks without a sample by straight lines. Their times are those of the loop.
 void interpolate(RecordedMotion& motion) {
   Eigen::Index last = 0;
   for (Eigen::Index i = 1; i < motion.ticks(); ++i) {
     if (motion.isSample[static_cast<std::size_t>(i)] == 0) continue;
-    const double begin = motion.time[static_cast<std::size_t>(last)], end = motion.time[static_cast<std::size_t>(i)];
     for (Eigen::Index k = last + 1; k < i; ++k) {
       const double share = static_cast<double>(k - last) / static_cast<double>(i - last);
       motion.reading.col(k) = (1.0 - share) * motion.reading.col(last) + share * motion.reading.col(i);
-      motion.time[static_cast<std::size_t>(k)] = (1.0 - share) * begin + share * end;
     }
     last = i;
   }
