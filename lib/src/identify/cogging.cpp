@@ -14,12 +14,14 @@ double rangeOf(const Eigen::MatrixXd& reading) {
   return (reading.rowwise().maxCoeff() - reading.rowwise().minCoeff()).minCoeff();
 }
 
-// Gain of the log likelihood of white noise by regression on two terms.
-double gainOf(const Eigen::VectorXd& residual, const Eigen::VectorXd& sine, const Eigen::VectorXd& cosine) {
+// Regress a residual on two terms. Returns the gain of the log likelihood of white noise.
+double regress(const Eigen::VectorXd& residual, const Eigen::VectorXd& sine, const Eigen::VectorXd& cosine,
+               Eigen::Ref<Eigen::RowVectorXd> parts) {
   const double ss = sine.squaredNorm(), cc = cosine.squaredNorm(), sc = sine.dot(cosine);
   const double s = sine.dot(residual), c = cosine.dot(residual), determinant = ss * cc - sc * sc;
   if (!(determinant > 1e-9 * ss * cc)) return 0.0;
-  return 0.5 * (cc * s * s - 2.0 * sc * s * c + ss * c * c) / determinant;
+  parts << (cc * s - sc * c) / determinant, (ss * c - sc * s) / determinant;
+  return 0.5 * (parts[0] * s + parts[1] * c);
 }
 
 }  // namespace
@@ -39,12 +41,15 @@ CoggingSearch findCogging(Fit& fit) {
   CoggingSearch best;
   for (double periods = first; periods < last; periods += 0.3 * first) {
     double gain = 0.0;
+    Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(reading.rows(), 2);
     for (Eigen::Index joint = 0; joint < reading.rows(); ++joint) {
       const Eigen::VectorXd angle = periods * reading.row(joint).transpose();
-      gain += gainOf(torque[static_cast<std::size_t>(joint)], fit.whitenTorque(joint, angle.array().sin()),
-                     fit.whitenTorque(joint, angle.array().cos()));
+      Eigen::RowVectorXd part = parts.row(joint);
+      gain += regress(torque[static_cast<std::size_t>(joint)], fit.whitenTorque(joint, angle.array().sin()),
+                      fit.whitenTorque(joint, angle.array().cos()), part);
+      parts.row(joint) = part;
     }
-    if (gain > best.evidence) best = {periods, gain};
+    if (gain > best.evidence) best = {periods, gain, parts};
   }
   return best;
 }
@@ -68,7 +73,7 @@ std::vector<Unknown> coggingUnknowns(const DeviceModel& model, const Eigen::Matr
   unknowns.push_back(periods);
   Unknown ripple{"imperfections.torque_ripple", "", [](DeviceModel& m) -> double& { return m.drive.torqueRipple; }};
   ripple.scale = kRippleSpread;
-  ripple.reference = model.drive.torqueRipple;
+  ripple.reference = 0.0;
   ripple.isNonNegative = true;
   unknowns.push_back(ripple);
   return unknowns;

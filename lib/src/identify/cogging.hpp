@@ -9,6 +9,7 @@ namespace enamel::identify {
 struct CoggingSearch {
   double periods = 0.0;
   double evidence = 0.0;  ///< gain of the log likelihood at that period
+  Eigen::MatrixXd parts;  ///< amplitudes of sine and cosine, one row per joint, N m or N
 };
 
 /// Regress the residual's torque on sine and cosine of each number of periods that the motion can show.

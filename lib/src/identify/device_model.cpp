@@ -163,8 +163,9 @@ struct TakeImperfections {
   template <typename Device>
   void operator()(Device& p) const {
     p.imperfections = {};
+    p.motor.viscousFriction = 0.0;
   }
-  void operator()(CartesianParameters&) const {}
+  void operator()(CartesianParameters& p) const { p.damping.setZero(); }
 };
 
 }  // namespace
@@ -188,6 +189,7 @@ DeviceModel modelOf(const DeviceParameters& device) {
   DeviceModel model;
   model.device = device;
   model.drive = imperfectionsOf(device);
+  model.drive.torqueRipple = 0.0;  // unknown until cogging is found
   if (model.drive.currentBandwidth > 0.0) model.lag = 1.0 / (2.0 * M_PI * model.drive.currentBandwidth);
   model.ratio = JointVector::Ones(n);
   model.coulomb = JointVector::Constant(n, model.drive.coulombFriction);
@@ -202,6 +204,13 @@ JointVector torqueRatios(const DeviceModel& model) {
   ratio.head(first) /= ratio.head(first).mean();
   if (n > first) ratio.tail(n - first) /= ratio.tail(n - first).mean();
   return ratio;
+}
+
+JointVector viscousFriction(const DeviceModel& model) {
+  DeviceModel copy = model;
+  JointVector friction(model.home.size());
+  for (Eigen::Index i = 0; i < friction.size(); ++i) friction[i] = viscousOf(copy, static_cast<int>(i));
+  return friction;
 }
 
 ImperfectDevice deviceOf(const DeviceModel& model) {

@@ -31,7 +31,11 @@ DeviceModel modelOf(const DeviceParameters& device);
 /// Return ratio, scaled so that its mean is 1. Forces and moments of a Cartesian device have separate means.
 JointVector torqueRatios(const DeviceModel& model);
 
-/// Make the simulated device, without lag, delay and rounding of the torque. Throws ConfigurationError if the numbers are impossible.
+/// Return the viscous friction of each joint, N m s/rad or N s/m. Damping of a Cartesian device counts as friction of
+/// its axes.
+JointVector viscousFriction(const DeviceModel& model);
+
+/// Make the simulated device, without lag, delay, rounding of the torque and viscous friction. Throws ConfigurationError if the numbers are impossible.
 ImperfectDevice deviceOf(const DeviceModel& model);
 
 /// Return the name of joint `i` in a text: "joint 2", or "axis y" of a Cartesian device.

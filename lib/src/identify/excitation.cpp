@@ -176,9 +176,9 @@ GuardOptions guardFor(const Mechanism& mechanism, const Excitation& excitation) 
   if (excitation.moment > 0.0) guard.moment = excitation.moment;
   guard.workspace = excitation.workspace;
   guard.speed = excitation.speed;
-  guard.stopSpeed = 2.0 * excitation.speed;
+  guard.stopSpeed = 3.0 * excitation.speed;
   guard.turn = excitation.turn;
-  guard.stopTurn = 2.0 * excitation.turn;
+  guard.stopTurn = 3.0 * excitation.turn;
   guard.energy = excitation.force * excitation.workspace.norm();
   guard.power = excitation.force * excitation.speed;
   guard.mostMissed = 30;  // 30 % of lost samples: their share is a result

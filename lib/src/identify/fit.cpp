@@ -12,13 +12,14 @@ namespace enamel::identify {
 namespace {
 
 constexpr double kTransient = 0.5;     // s, skipped at the beginning of each piece
-constexpr double kStep = 0.02;         // of x, for differences
+constexpr double kStep = 0.003;        // of x, for differences
 constexpr double kRelative = 0.05;     // residual that counts as noise, of the reading's power: far from the device
 constexpr double kFloor = 0.3;         // of the power of rounding
 constexpr double kBlock = 0.25;        // s, of the scores
 constexpr double kBandwidth = 8.0;    // independent frequencies in the narrowest band
-constexpr double kExplained = 100.0;   // Hz, below which explained() compares
-constexpr double kConverged = 0.05;    // of a standard deviation
+constexpr double kExplained = 20.0;    // Hz, below which explained() compares
+constexpr double kConverged = 0.1;     // expected change of the log likelihood in the next step
+constexpr double kLongestStep = 1.5;   // of the spread of an unknown
 
 // Replace the values of ticks without a sample by straight lines.
 void interpolate(const RecordedMotion& motion, Eigen::Index first, Eigen::MatrixXd& rows) {
@@ -188,22 +189,41 @@ bool Fit::isHeld(std::size_t i, const Eigen::VectorXd& b) const {
   return isFixed[i] != 0 || (x[k] <= unknowns_[i].least() && b[k] <= 0.0);
 }
 
+// An unknown that would pass its bound stops there, and the others are solved again.
 Eigen::VectorXd Fit::stepOf(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double damping) const {
-  Eigen::MatrixXd left = A;
-  Eigen::VectorXd right = b;
-  for (std::size_t i = 0; i < unknowns_.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    left(k, k) += damping * A(k, k);
-    if (!isHeld(i, b)) continue;
-    left.row(k).setZero();
-    left.col(k).setZero();
-    left(k, k) = 1.0;
-    right[k] = 0.0;
+  Eigen::VectorXd held = Eigen::VectorXd::Constant(x.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < unknowns_.size(); ++i)
+    if (isHeld(i, b)) held[static_cast<Eigen::Index>(i)] = 0.0;
+  Eigen::VectorXd step;
+  for (int again = 0; again < 8; ++again) {
+    Eigen::MatrixXd left = A;
+    left.diagonal() *= 1.0 + damping;
+    Eigen::VectorXd right = b;
+    for (Eigen::Index k = 0; k < x.size(); ++k) {
+      if (std::isnan(held[k])) continue;
+      right -= held[k] * A.col(k);
+      left.row(k).setZero();
+      left.col(k).setZero();
+      left(k, k) = 1.0;
+    }
+    for (Eigen::Index k = 0; k < x.size(); ++k)
+      if (!std::isnan(held[k])) right[k] = held[k];
+    step = left.ldlt().solve(right);
+    bool isInside = true;
+    for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      if (step[k] >= unknowns_[i].least() - x[k]) continue;
+      held[k] = unknowns_[i].least() - x[k];
+      isInside = false;
+    }
+    if (isInside) break;
   }
-  Eigen::VectorXd step = left.ldlt().solve(right);
+  double longest = 1.0;
+  for (std::size_t i = 0; i < unknowns_.size(); ++i)
+    longest = std::max(longest, std::abs(step[static_cast<Eigen::Index>(i)]) / (kLongestStep * unknowns_[i].spread));
+  step /= longest;
   for (std::size_t i = 0; i < unknowns_.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    step[k] = std::clamp(step[k], -1.5 * unknowns_[i].spread, 1.5 * unknowns_[i].spread);
     step[k] = std::max(step[k], unknowns_[i].least() - x[k]);
   }
   return step;
@@ -226,7 +246,7 @@ void Fit::improve(int steps, bool isRelative, bool keepsSlopes) {
     const double before = cost(base_, power) + priorCost(x);
     Eigen::VectorXd step;
     bool isBetter = false;
-    for (double damping = 0.0; damping < 200.0 && !isBetter; damping = std::max(0.03, 10.0 * damping)) {
+    for (double damping = 0.0; damping < 200.0 && !isBetter; damping = std::max(0.01, 10.0 * damping)) {
       step = stepOf(A, b, damping);
       const Eigen::VectorXd next = x + step;
       int left = 0;
@@ -239,13 +259,13 @@ void Fit::improve(int steps, bool isRelative, bool keepsSlopes) {
       restarts = left;
     }
     if (getenv("IDV")) { fprintf(stderr, "step %d better %d cost %.1f -> misfit %.1f\n", taken, isBetter, before, misfit()); if (getenv("IDV")[0]=='2') for (std::size_t i = 0; i < unknowns_.size(); ++i) fprintf(stderr, "   %s %g (step %g dev %g)\n", unknowns_[i].key.c_str(), unknowns_[i].at(x[i]), step[i], 1/std::sqrt(A(i,i))); }
-    if (!isBetter || (step.array().abs() < kConverged * A.diagonal().cwiseInverse().array().sqrt()).all()) return;
+    if (!isBetter || step.dot(b - 0.5 * A * step) < kConverged) return;
   }
 }
 
 Eigen::MatrixXd Fit::covariance() {
   (void)misfit();
-  updateSlopes(base_);
+  if (slopes_.empty()) updateSlopes(base_);
   const Powers power = powers(base_, false);
   Eigen::MatrixXd A;
   Eigen::VectorXd b;

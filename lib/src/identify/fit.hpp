@@ -45,7 +45,7 @@ class Fit {
   /// (H. White 1980; blocks as W. Newey and K. West 1987). A fixed unknown has zero rows.
   Eigen::MatrixXd covariance();
 
-  /// Return the share of the variance of the torque that the model explains below 100 Hz, for each joint.
+  /// Return the share of the variance of the torque that the model explains below 20 Hz, for each joint.
   Eigen::VectorXd explained();
 
   /// Return the torque that would explain the residual of the first piece, for each joint, whitened. whitenTorque()

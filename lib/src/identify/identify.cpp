@@ -16,7 +16,8 @@ namespace {
 using namespace identify;
 
 constexpr double kFirstDelay = 1.5;        // ticks, where the search begins
-constexpr double kCoarseData = 10.0;       // s, for the first steps
+constexpr double kCoarseData = 8.0;        // s, for the first steps
+constexpr double kMostData = 40.0;         // s, for the last ones
 constexpr double kCertain = 8.0;           // difference of the log likelihood to the second best delay
 constexpr double kLongestLag = 2e-3;       // s, of slideDelay()
 constexpr double kSlide = 0.15;            // ticks, its steps
@@ -112,8 +113,16 @@ void addCogging(Fit& fit) {
   const CoggingSearch found = findCogging(fit);
   if (found.evidence < kCoggingEvidence) return;
   fit.reference().drive.periods = found.periods;
-  fit.add(coggingUnknowns(fit.reference(), fit.residualReading()));
-  fit.improve(3, false);
+  const std::vector<Unknown> unknowns = coggingUnknowns(fit.reference(), fit.residualReading());
+  const Eigen::Index first = fit.x.size();
+  fit.add(unknowns);
+  for (Eigen::Index k = 0; k < found.parts.size(); ++k)
+    fit.x[first + k] = found.parts(k / 2, k % 2) / unknowns[static_cast<std::size_t>(k)].scale;
+  const auto ripple = static_cast<std::size_t>(fit.find("imperfections.torque_ripple"));
+  fit.isFixed[ripple] = 1;  // its phase is that of the cogging
+  fit.improve(4, false);
+  fit.isFixed[ripple] = 0;
+  fit.improve(4, false);
 }
 
 Estimate estimateOf(const Unknown& unknown, double x, double deviation, double before) {
@@ -204,13 +213,14 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   fit.improve(3, true);
   for (int round = 0; round < 3; ++round) {
     slideDelay(fit);
-    fit.improve(3, false);
+    fit.improve(4, false);
   }
   addCogging(fit);
-  fit.use(std::numeric_limits<double>::infinity());
-  fit.improve(3, false);
   result.delay = chooseDelay(fit);
-  fit.improve(2, false);
+  fit.improve(4, false);
+  fit.use(kMostData);
+  fit.improve(3, false);
+  fit.improve(3, false, true);
   addEstimates(fit, file, result);
   addStatistics(fit, motions, result);
   if (fit.restarts > 0)

@@ -32,7 +32,7 @@ struct Excitation {
   std::vector<ExcitationAxis> axes;  ///< one per direction
   double force = 0.0, moment = 0.0;  ///< largest rendered force and moment, N and N m: limits of the guard
   Vec3 workspace = Vec3::Zero();     ///< half widths of the box that the tool must not leave, m
-  double speed = 0.5, turn = 8.0;    ///< speeds at which the guard brakes, m/s and rad/s; it stops at twice these
+  double speed = 0.8, turn = 16.0;   ///< speeds at which the guard brakes, m/s and rad/s; it stops at three times these
 };
 
 struct ExcitationOptions {
