@@ -29,7 +29,8 @@ class Draw {
 JointVector drawRatios(Draw& draw, Eigen::Index n, Eigen::Index group) {
   JointVector ratio(n);
   for (double& r : ratio) r = draw.uniform(0.95, 1.05);
-  for (Eigen::Index first = 0; first < n; first += group) ratio.segment(first, group) /= ratio.segment(first, group).mean();
+  for (Eigen::Index first = 0; first < n; first += group)
+    ratio.segment(first, group) /= ratio.segment(first, group).mean();
   return ratio;
 }
 

@@ -13,10 +13,10 @@ namespace enamel::test {
 
 /// A device whose file has wrong numbers.
 struct BlindDevice {
-  DeviceParameters file;                ///< what its owner believes
-  DeviceParameters truth;               ///< with the drawn numbers; `built` is made of it
+  DeviceParameters file;   ///< what its owner believes
+  DeviceParameters truth;  ///< with the drawn numbers; `built` is made of it
   ImperfectDevice built;
-  Delay delay;                          ///< ticks
+  Delay delay;  ///< ticks
   double jitter = 0.0, lost = 0.0;
   std::map<std::string, double> value;  ///< the truth, by the keys of Estimate
 };

@@ -6,9 +6,9 @@
 namespace enamel::identify {
 namespace {
 
-constexpr double kCoggingSpread = 0.02;   // amplitude of the largest effort
-constexpr double kRippleSpread = 0.02;    // of the torque
-constexpr double kFastest = 150.0;        // Hz, of the cogging at the typical rate
+constexpr double kCoggingSpread = 0.02;  // amplitude of the largest effort
+constexpr double kRippleSpread = 0.02;   // of the torque
+constexpr double kFastest = 150.0;       // Hz, of the cogging at the typical rate
 
 double rangeOf(const Eigen::MatrixXd& reading) {
   return (reading.rowwise().maxCoeff() - reading.rowwise().minCoeff()).minCoeff();
@@ -33,8 +33,10 @@ CoggingSearch findCogging(Fit& fit) {
   double fastest = 0.0;
   for (Eigen::Index joint = 0; joint < reading.rows(); ++joint) {
     const Eigen::Index count = reading.cols();
-    const double rate = std::sqrt((reading.row(joint).tail(count - 10) - reading.row(joint).head(count - 10)).squaredNorm() /
-                                  static_cast<double>(count)) / (10.0 * fit.period());
+    const double rate =
+        std::sqrt((reading.row(joint).tail(count - 10) - reading.row(joint).head(count - 10)).squaredNorm() /
+                  static_cast<double>(count)) /
+        (10.0 * fit.period());
     fastest = std::max(fastest, rate);
   }
   const double first = 1.0 * 2.0 * M_PI / range, last = 2.0 * M_PI * kFastest / std::max(1e-9, fastest);
@@ -59,7 +61,7 @@ std::vector<Unknown> coggingUnknowns(const DeviceModel& model, const Eigen::Matr
   const JointVector effort = makeMechanism(model.device)->limits().effort;
   const double range = rangeOf(reading);
   for (int i = 0; i < effort.size(); ++i)
-    for (JointVector DeviceModel::* const part : {&DeviceModel::sine, &DeviceModel::cosine}) {
+    for (JointVector DeviceModel::*const part : {&DeviceModel::sine, &DeviceModel::cosine}) {
       Unknown amplitude{"cogging of " + jointName(model.device, i), "N m",
                         [part, i](DeviceModel& m) -> double& { return (m.*part)[i]; }};
       amplitude.scale = kCoggingSpread * effort[i];

@@ -49,18 +49,19 @@ class List {
 
 // A length of the device within the tolerance of its file: uniform errors of the lengths that act together.
 void addLength(List& list, const std::string& key, Value value, double length, const Imperfections& e) {
-  if (e.lengthError > 0.0 && length > 0.0) list.term(key, "m", std::move(value), length * e.lengthError / std::sqrt(3.0));
+  if (e.lengthError > 0.0 && length > 0.0)
+    list.term(key, "m", std::move(value), length * e.lengthError / std::sqrt(3.0));
 }
 
 void addMechanism(List& list, const DeltaParameters& p) {
   list.factor("platform.mass", "kg", [](DeviceModel& m) -> double& { return delta(m).platform.mass; });
   list.factor("bar.mass", "kg", [](DeviceModel& m) -> double& { return delta(m).bar.mass; });
-  list.term("upper_link.com", "m", [](DeviceModel& m) -> double& { return delta(m).upperLink.com; },
-            0.25 * p.geometry.a);
+  list.term(
+      "upper_link.com", "m", [](DeviceModel& m) -> double& { return delta(m).upperLink.com; }, 0.25 * p.geometry.a);
   list.factor("upper_link.inertia", "kg m^2", [](DeviceModel& m) -> double& { return delta(m).upperLink.inertia; });
   const DeltaGeometry& g = p.geometry;
   const Imperfections& e = p.imperfections;
-  const auto length = [](double DeltaGeometry::* which) {
+  const auto length = [](double DeltaGeometry::*which) {
     return [which](DeviceModel& m) -> double& { return delta(m).geometry.*which; };
   };
   addLength(list, "geometry.a", length(&DeltaGeometry::a), g.a, e);
@@ -78,12 +79,12 @@ void addMechanism(List& list, const TauParameters&) {
 void addMechanism(List& list, const CartesianParameters& p) {
   if (p.massTable.isEmpty())
     list.factor("platform.mass", "kg", [](DeviceModel& m) -> double& { return cartesian(m).mass; });
-  const char* const axes = "xyz";
   for (int i = 0; i < 3; ++i)
-    list.term("gravity[" + std::to_string(i) + "]", "m/s^2",
-              [i](DeviceModel& m) -> double& { return cartesian(m).gravity[i]; }, kGravitySpread);
+    list.term(
+        "gravity[" + std::to_string(i) + "]", "m/s^2",
+        [i](DeviceModel& m) -> double& { return cartesian(m).gravity[i]; }, kGravitySpread);
   for (int i = 3; i < p.axes; ++i)
-    list.factor(std::string("platform.inertia about ") + axes[i - 3], "kg m^2",
+    list.factor("platform.inertia[" + std::to_string(i - 3) + "]", "kg m^2",
                 [i](DeviceModel& m) -> double& { return cartesian(m).inertia(i - 3, i - 3); });
 }
 
@@ -111,8 +112,9 @@ void addViscous(List& list, const DeviceModel& model, const JointVector& effort,
   // A damping that takes the largest effort at 2 rad/s or 1 m/s is the largest that a file may miss.
   const int count = isCartesian(model.device) ? static_cast<int>(effort.size()) : 1;
   for (int i = 0; i < count; ++i)
-    list.term(count > 1 ? "platform.damping[" + std::to_string(i) + "]" : "motor.viscous_friction", unit,
-              [i](DeviceModel& m) -> double& { return viscousOf(m, i); }, 0.3 * effort[i])
+    list.term(
+            count > 1 ? "platform.damping[" + std::to_string(i) + "]" : "motor.viscous_friction", unit,
+            [i](DeviceModel& m) -> double& { return viscousOf(m, i); }, 0.3 * effort[i])
         .isNonNegative = true;
 }
 
@@ -124,31 +126,36 @@ void addJoint(List& list, const DeviceModel& model, int i, double effort) {
     unknown.isInFile = false;
     return unknown;
   };
-  inWords(list.term("Coulomb friction of " + name, unit, [i](DeviceModel& m) -> double& { return m.coulomb[i]; },
-                    kFrictionSpread * effort))
+  inWords(list.term(
+              "Coulomb friction of " + name, unit, [i](DeviceModel& m) -> double& { return m.coulomb[i]; },
+              kFrictionSpread* effort))
       .isNonNegative = true;
   if (i > 0 && !(isCartesian(model.device) && i == 3))
-    inWords(list.term("torque ratio of " + name, "", [i](DeviceModel& m) -> double& { return m.ratio[i]; },
-                      kRatioSpread));
+    inWords(list.term(
+        "torque ratio of " + name, "", [i](DeviceModel& m) -> double& { return m.ratio[i]; }, kRatioSpread));
   const double offset = imperfectionsOf(model.device).encoderOffset / std::sqrt(3.0);
   if (offset > 0.0)
-    inWords(list.term("encoder offset of " + name, "rad", [i](DeviceModel& m) -> double& { return m.offset[i]; },
-                      offset));
+    inWords(list.term(
+        "encoder offset of " + name, "rad", [i](DeviceModel& m) -> double& { return m.offset[i]; }, offset));
 }
 
 void addDrive(List& list, const DeviceModel& model) {
-  Unknown& lag = list.term("motor lag", "s", [](DeviceModel& m) -> double& { return m.lag; }, kLagSpread);
+  Unknown& lag = list.term(
+      "motor lag", "s", [](DeviceModel& m) -> double& { return m.lag; }, kLagSpread);
   lag.isNonNegative = true;
   lag.isInFile = false;
-  Unknown& delay = list.term("loop delay", "ticks", [](DeviceModel& m) -> double& { return m.delay; }, kDelaySpread);
+  Unknown& delay = list.term(
+      "loop delay", "ticks", [](DeviceModel& m) -> double& { return m.delay; }, kDelaySpread);
   delay.isNonNegative = true;
   delay.isInFile = false;
   if (!isCartesian(model.device)) list.factor("motor.rotor_inertia", "kg m^2", rotorOf);
   if (!model.hasCables()) return;
-  list.factor("imperfections.cable_stiffness", "N m/rad",
-              [](DeviceModel& m) -> double& { return m.drive.cableStiffness; }, kCableSpread);
-  list.factor("imperfections.cable_damping", "N m s/rad",
-              [](DeviceModel& m) -> double& { return m.drive.cableDamping; }, kCableSpread);
+  list.factor(
+      "imperfections.cable_stiffness", "N m/rad", [](DeviceModel& m) -> double& { return m.drive.cableStiffness; },
+      kCableSpread);
+  list.factor(
+      "imperfections.cable_damping", "N m s/rad", [](DeviceModel& m) -> double& { return m.drive.cableDamping; },
+      kCableSpread);
 }
 
 struct TakeRotors {

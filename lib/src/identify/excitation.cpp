@@ -15,26 +15,28 @@ namespace {
 constexpr int kSlowLines = 8, kFastLines = 40;
 constexpr double kSlowest = 0.15, kSlowEnd = 3.0, kFastBegin = 4.0;  // Hz
 constexpr double kFastEnd = 0.4;                                     // of the tick rate
-constexpr double kHold = 3.0;                                        // Hz, of the spring that follows the path
+constexpr double kHold = 2.0;                                        // Hz, of the spring that follows the path
 constexpr double kRamp = 1.0;                                        // s, at the beginning and the end
 constexpr double kTurn = 0.15;                                       // rad, of the slow part
 constexpr double kFollow = 0.3;                                      // of the largest force, for the slow part
 
-double sumOf(const std::vector<Sine>& sines, double time, bool isRate = false) noexcept {
-  double sum = 0.0;
+// A sum of sines and its first two derivatives.
+Vec3 motionOf(const std::vector<Sine>& sines, double time) noexcept {
+  Vec3 sum = Vec3::Zero();
   for (const Sine& s : sines) {
-    const double rate = 2.0 * M_PI * s.frequency, angle = rate * time + s.phase;
-    sum += s.amplitude * (isRate ? rate * std::cos(angle) : std::sin(angle));
+    const double rate = 2.0 * M_PI * s.frequency, angle = rate * time + s.phase, sine = std::sin(angle);
+    sum += s.amplitude * Vec3(sine, rate * std::cos(angle), -rate * rate * sine);
   }
   return sum;
 }
 
-// Largest value of a sum of sines during a run.
+double sumOf(const std::vector<Sine>& sines, double time) noexcept { return motionOf(sines, time)[0]; }
+
+// Largest value of a derivative of a sum of sines during a run.
 double peakOf(const std::vector<Sine>& sines, double duration, int derivative) {
-  std::vector<Sine> scaled = sines;
-  for (Sine& s : scaled) s.amplitude *= std::pow(2.0 * M_PI * s.frequency, derivative);
   double peak = 0.0;
-  for (double time = 0.0; time < duration; time += 0.05) peak = std::max(peak, std::abs(sumOf(scaled, time, false)));
+  for (double time = 0.0; time < duration; time += 0.05)
+    peak = std::max(peak, std::abs(motionOf(sines, time)[derivative]));
   return 1.1 * peak + 1e-12;
 }
 
@@ -71,8 +73,8 @@ std::vector<Sine> sines(int count, double begin, double end, double shift, const
   for (int k = 0; k < count; ++k) {
     const double share = (k + shift) / count;
     const auto number = static_cast<std::uint64_t>(1000 * axis + k + (begin > 1.0 ? 500 : 0));
-    all.push_back({begin * std::pow(end / begin, share), 1.0,
-                   2.0 * M_PI * random.uniform(RandomStream::Purpose::build, number)});
+    all.push_back(
+        {begin * std::pow(end / begin, share), 1.0, 2.0 * M_PI * random.uniform(RandomStream::Purpose::build, number)});
   }
   return all;
 }
@@ -103,7 +105,7 @@ ExcitationAxis axisOf(const ExcitationOptions& options, double inertia, double w
                       int axis, int axes) {
   const RandomStream random(options.seed, 0);
   const double shift = (axis + 0.5) / axes, rate = 2.0 * M_PI * kHold;
-  ExcitationAxis result{rate * rate * inertia, 1.4 * rate * inertia, {}, {}};
+  ExcitationAxis result{inertia, rate * rate * inertia, rate * inertia, {}, {}};
   result.motion = sines(kSlowLines, kSlowest, kSlowEnd, shift, random, axis);
   for (Sine& s : result.motion) s.amplitude = std::pow(s.frequency, -0.7);
   scale(result.motion, std::min({width / peakOf(result.motion, options.duration, 0),
@@ -144,7 +146,8 @@ Excitation designExcitation(const Mechanism& mechanism, const ExcitationOptions&
       if (std::abs(torque[i]) > 1e-9)
         force = std::min(force, (mechanism.limits().effort[i] - std::abs(home.gravity[i])) / std::abs(torque[i]));
     require(force > 0.0, "the motors of \"" + mechanism.name() + "\" cannot push along every direction at home");
-    (axis < 3 ? excitation.force : excitation.moment) = std::max(axis < 3 ? excitation.force : excitation.moment, force);
+    (axis < 3 ? excitation.force : excitation.moment) =
+        std::max(axis < 3 ? excitation.force : excitation.moment, force);
     const bool isTurn = axis >= 3;
     excitation.axes.push_back(axisOf(options, inertia[axis], isTurn ? kTurn : options.width * box[axis],
                                      isTurn ? 1.5 : options.speed, force, axis, axes));
@@ -163,8 +166,9 @@ Vec6 wrenchAt(const Excitation& excitation, double time, const Pose& pose, const
   for (std::size_t i = 0; i < excitation.axes.size(); ++i) {
     const ExcitationAxis& axis = excitation.axes[i];
     const auto k = static_cast<Eigen::Index>(i);
-    wrench[k] = axis.stiffness * (ramp * sumOf(axis.motion, time) - place[k]) +
-                axis.damping * (ramp * sumOf(axis.motion, time, true) - twist[k]) + ramp * sumOf(axis.force, time);
+    const Vec3 motion = ramp * motionOf(axis.motion, time);
+    wrench[k] = axis.inertia * motion[2] + axis.stiffness * (motion[0] - place[k]) +
+                axis.damping * (motion[1] - twist[k]) + ramp * sumOf(axis.force, time);
     if (time > excitation.duration - kRamp) wrench[k] *= ramp;
   }
   return wrench;
@@ -250,6 +254,7 @@ Excitation parseExcitation(std::string_view text, const std::string& file) {
   if (root.has("moment")) excitation.moment = positive(root, "moment", kLargestTorque);
   for (TomlTable& table : root.tables("axis")) {
     ExcitationAxis axis;
+    axis.inertia = table.number("inertia");
     axis.stiffness = table.number("stiffness");
     axis.damping = table.number("damping");
     axis.motion = readSines(table, "motion");
@@ -268,16 +273,17 @@ std::string textOf(const Excitation& excitation) {
   const auto line = [](const std::string& key, double value, const std::string& comment) {
     return key + " = " + formatNumber(value) + "  # " + comment + "\n";
   };
-  std::string text = "# Excitation for enamel identify. Each sine has Hz, amplitude (m, rad, N or N m) and phase (rad).\n" +
-                     line("duration", excitation.duration, "s") + line("period", excitation.period, "s, of a tick") +
-                     line("force", excitation.force, "N, limit of the guard") +
-                     line("speed", excitation.speed, "m/s, limit of the guard") +
-                     line("turn", excitation.turn, "rad/s, limit of the guard");
+  std::string text =
+      "# Excitation for enamel identify. Each sine has Hz, amplitude (m, rad, N or N m) and phase (rad).\n" +
+      line("duration", excitation.duration, "s") + line("period", excitation.period, "s, of a tick") +
+      line("force", excitation.force, "N, limit of the guard") +
+      line("speed", excitation.speed, "m/s, limit of the guard") +
+      line("turn", excitation.turn, "rad/s, limit of the guard");
   if (excitation.moment > 0.0) text += line("moment", excitation.moment, "N m, limit of the guard");
   text += "workspace = [" + formatNumber(excitation.workspace.x()) + ", " + formatNumber(excitation.workspace.y()) +
           ", " + formatNumber(excitation.workspace.z()) + "]  # m, half widths, limit of the guard\n";
   for (const ExcitationAxis& axis : excitation.axes)
-    text += "\n[[axis]]\n" + line("stiffness", axis.stiffness, "N/m or N m/rad") +
+    text += "\n[[axis]]\n" + line("inertia", axis.inertia, "kg or kg m^2") + line("stiffness", axis.stiffness, "N/m or N m/rad") +
             line("damping", axis.damping, "N s/m or N m s/rad") + "motion = " + textOf(axis.motion) +
             "force = " + textOf(axis.force);
   return text;

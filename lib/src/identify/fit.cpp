@@ -11,15 +11,15 @@
 namespace enamel::identify {
 namespace {
 
-constexpr double kTransient = 0.5;     // s, skipped at the beginning of each piece
-constexpr double kStep = 0.003;        // of x, for differences
-constexpr double kRelative = 0.05;     // residual that counts as noise, of the reading's power: far from the device
-constexpr double kFloor = 0.3;         // of the power of rounding
-constexpr double kBlock = 0.25;        // s, of the scores
+constexpr double kTransient = 0.5;    // s, skipped at the beginning of each piece
+constexpr double kStep = 0.003;       // of x, for differences
+constexpr double kRelative = 0.05;    // residual that counts as noise, of the reading's power: far from the device
+constexpr double kFloor = 0.3;        // of the power of rounding
+constexpr double kBlock = 0.25;       // s, of the scores
 constexpr double kBandwidth = 8.0;    // independent frequencies in the narrowest band
-constexpr double kExplained = 20.0;    // Hz, below which explained() compares
-constexpr double kConverged = 0.1;     // expected change of the log likelihood in the next step
-constexpr double kLongestStep = 1.5;   // of the spread of an unknown
+constexpr double kExplained = 20.0;   // Hz, below which explained() compares
+constexpr double kConverged = 0.1;    // expected change of the log likelihood in the next step
+constexpr double kLongestStep = 1.5;  // of the spread of an unknown
 
 // Replace the values of ticks without a sample by straight lines.
 void interpolate(const RecordedMotion& motion, Eigen::Index first, Eigen::MatrixXd& rows) {
@@ -28,7 +28,8 @@ void interpolate(const RecordedMotion& motion, Eigen::Index first, Eigen::Matrix
     if (motion.isSample[static_cast<std::size_t>(first + k)] == 0) continue;
     for (Eigen::Index i = last + 1; i < k; ++i) {
       const double share = last < 0 ? 1.0 : static_cast<double>(i - last) / static_cast<double>(k - last);
-      rows.col(i) = last < 0 ? Eigen::VectorXd(rows.col(k)) : Eigen::VectorXd((1.0 - share) * rows.col(last) + share * rows.col(k));
+      rows.col(i) = last < 0 ? Eigen::VectorXd(rows.col(k))
+                             : Eigen::VectorXd((1.0 - share) * rows.col(last) + share * rows.col(k));
     }
     last = k;
   }
@@ -76,8 +77,8 @@ Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, int& left) const {
   for (const Piece& piece : pieces_) {
     const Simulated simulated = simulate(model, *piece.motion, observer_, 0, piece.first + piece.count);
     left += simulated.restarts;
-    Eigen::MatrixXd rows = piece.motion->reading.middleCols(piece.first, piece.count) -
-                           simulated.reading.rightCols(piece.count);
+    Eigen::MatrixXd rows =
+        piece.motion->reading.middleCols(piece.first, piece.count) - simulated.reading.rightCols(piece.count);
     interpolate(*piece.motion, piece.first, rows);
     all.push_back(std::move(rows));
   }
@@ -92,8 +93,7 @@ void Fit::updateSlopes(const Residuals& base) {
     moved[static_cast<Eigen::Index>(i)] += kStep;
     int left;
     const Residuals other = residuals(moved, left);
-    for (std::size_t p = 0; p < base.size(); ++p)
-      slopes_[i].push_back(((base[p] - other[p]) / kStep).cast<float>());
+    for (std::size_t p = 0; p < base.size(); ++p) slopes_[i].push_back(((base[p] - other[p]) / kStep).cast<float>());
   });
 }
 
@@ -252,13 +252,21 @@ void Fit::improve(int steps, bool isRelative, bool keepsSlopes) {
       int left = 0;
       Residuals there = residuals(next, left);
       isBetter = cost(there, power) + priorCost(next) < before;
-      if (getenv("IDV")) fprintf(stderr, "  damping %g predicted %.1f actual %.1f\n", damping, (b.dot(step) - 0.5*step.dot(A*step)), before - cost(there, power) - priorCost(next));
+      if (getenv("IDV"))
+        fprintf(stderr, "  damping %g predicted %.1f actual %.1f\n", damping, (b.dot(step) - 0.5 * step.dot(A * step)),
+                before - cost(there, power) - priorCost(next));
       if (!isBetter) continue;
       x = baseAt_ = next;
       base_ = std::move(there);
       restarts = left;
     }
-    if (getenv("IDV")) { fprintf(stderr, "step %d better %d cost %.1f -> misfit %.1f\n", taken, isBetter, before, misfit()); if (getenv("IDV")[0]=='2') for (std::size_t i = 0; i < unknowns_.size(); ++i) fprintf(stderr, "   %s %g (step %g dev %g)\n", unknowns_[i].key.c_str(), unknowns_[i].at(x[i]), step[i], 1/std::sqrt(A(i,i))); }
+    if (getenv("IDV")) {
+      fprintf(stderr, "step %d better %d cost %.1f -> misfit %.1f\n", taken, isBetter, before, misfit());
+      if (getenv("IDV")[0] == '2')
+        for (std::size_t i = 0; i < unknowns_.size(); ++i)
+          fprintf(stderr, "   %s %g (step %g dev %g)\n", unknowns_[i].key.c_str(), unknowns_[i].at(x[i]), step[i],
+                  1 / std::sqrt(A(i, i)));
+    }
     if (!isBetter || step.dot(b - 0.5 * A * step) < kConverged) return;
   }
 }

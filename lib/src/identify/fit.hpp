@@ -65,9 +65,9 @@ class Fit {
   /// Add unknowns, at their references.
   void add(const std::vector<Unknown>& unknowns);
 
-  Eigen::VectorXd x;            ///< coordinates of the unknowns
-  std::vector<char> isFixed;    ///< unknowns that improve() does not change
-  int restarts = 0;             ///< of the last simulation at x; above 0: the model left the workspace
+  Eigen::VectorXd x;          ///< coordinates of the unknowns
+  std::vector<char> isFixed;  ///< unknowns that improve() does not change
+  int restarts = 0;           ///< of the last simulation at x; above 0: the model left the workspace
 
  private:
   struct Piece {
@@ -75,8 +75,8 @@ class Fit {
     Eigen::Index first, count;  // ticks; the first ones are skipped as transient
     std::unique_ptr<Spectrum> spectrum;
   };
-  using Residuals = std::vector<Eigen::MatrixXd>;              // per piece, joints x ticks
-  using Powers = std::vector<std::vector<Eigen::VectorXd>>;    // per piece and joint, at each frequency
+  using Residuals = std::vector<Eigen::MatrixXd>;            // per piece, joints x ticks
+  using Powers = std::vector<std::vector<Eigen::VectorXd>>;  // per piece and joint, at each frequency
 
   Residuals residuals(const Eigen::VectorXd& at, int& left) const;
   void updateSlopes(const Residuals& base);
@@ -99,7 +99,7 @@ class Fit {
   Residuals base_;
   Eigen::MatrixXd reading_;                  // of the first piece
   std::vector<Eigen::VectorXd> torqueGain_;  // of the filter of whitenTorque(), per joint
-  Eigen::VectorXd baseAt_;  // x of base_
+  Eigen::VectorXd baseAt_;                   // x of base_
 };
 
 }  // namespace enamel::identify

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/message.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "enamel/study/parallel.hpp"
 #include "identify/cogging.hpp"
 #include "identify/fit.hpp"
@@ -92,7 +93,8 @@ DelayEstimate chooseDelay(Fit& fit) {
   const double whole = value + lag.at(free[fit.find("motor lag")]) / fit.period();
   std::vector<Candidate> all;
   const int first = std::max(0, static_cast<int>(std::floor(value - 1.0)));
-  for (int low = first; low <= static_cast<int>(std::ceil(whole + 0.3)); ++low) all.push_back(tryDelay(fit, free, low, low));
+  for (int low = first; low <= static_cast<int>(std::ceil(whole + 0.3)); ++low)
+    all.push_back(tryDelay(fit, free, low, low));
   for (int spread = 1; spread <= kMostSpread; ++spread)
     for (int low = 0; low + 0.5 * spread <= whole + 0.3; ++low)
       if (low + 0.5 * spread >= value - 0.8) all.push_back(tryDelay(fit, free, low, low + spread));
@@ -174,7 +176,8 @@ void addEstimates(Fit& fit, const DeviceModel& before, Identification& result) {
   for (std::size_t i = 0; i < fit.unknowns().size(); ++i) {
     const Unknown& unknown = fit.unknowns()[i];
     const auto k = static_cast<Eigen::Index>(i);
-    if (unknown.key == "loop delay" || unknown.key.rfind("torque ratio", 0) == 0 || unknown.key.rfind("cogging", 0) == 0)
+    if (unknown.key == "loop delay" || unknown.key.rfind("torque ratio", 0) == 0 ||
+        unknown.key.rfind("cogging", 0) == 0)
       continue;
     result.estimates.push_back(estimateOf(unknown, fit.x[k], std::sqrt(covariance(k, k)), unknown.value(file)));
   }
@@ -191,6 +194,17 @@ void addStatistics(Fit& fit, const std::vector<RecordedMotion>& motions, Identif
   result.lostSamples = lost / ticks;
   result.explained = fit.explained();
   result.noise = fit.noise();
+}
+
+// The device with the numbers of its drives that a file can have: one for all joints.
+DeviceParameters withDrive(DeviceModel model) {
+  Imperfections e = model.drive;
+  e.coulombFriction = model.coulomb.mean();
+  e.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt().mean();
+  e.currentBandwidth = model.lag > 0.0 ? 1.0 / (2.0 * M_PI * model.lag) : 0.0;
+  if (auto* tau = std::get_if<TauParameters>(&model.device)) tau->imperfections = e;
+  if (auto* delta = std::get_if<DeltaParameters>(&model.device)) delta->imperfections = e;
+  return model.device;
 }
 
 }  // namespace
@@ -225,8 +239,38 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   addStatistics(fit, motions, result);
   if (fit.restarts > 0)
     result.problems.push_back("the fitted device leaves its workspace: the recording and the device file do not fit");
-  result.device = fit.model().device;
+  result.device = withDrive(fit.model());
   return result;
+}
+
+std::vector<Estimate> expectedPrecision(const Excitation& excitation, const DeviceParameters& device,
+                                        const IdentifyOptions& options) {
+  const std::shared_ptr<const Mechanism> mechanism = makeMechanism(device);
+  VirtualDeviceSetup setup;
+  setup.period = excitation.period;
+  setup.encoders = {true, RateSource::difference, 100.0};
+  const MakePlant makePlant = plantMaker(plantOf(device), device, {}, setup);
+  VirtualDevice plant(makePlant ? makePlant(0) : std::make_unique<ClosedFormPlant>(*mechanism), setup);
+  std::vector<RecordedTick> ticks;
+  const auto nothing = [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); };
+  const auto each = [&ticks](std::uint64_t number, const Measurement& measurement, const HapticTick&,
+                             const Command& command, Status) {
+    RecordedTick tick;
+    tick.number = number;
+    tick.measurement = measurement;
+    tick.command = command.effort;
+    ticks.push_back(tick);
+  };
+  const GuardReason reason = runExcitation(excitation, *mechanism, plant, nothing, each);
+  require(reason == GuardReason::none, std::string("the guard stops the simulated excitation: ") + toString(reason));
+  const std::vector<RecordedMotion> motions = motionsOf(ticks, excitation.period, mechanism->joints());
+  const DeviceModel model = modelOf(device);
+  Fit fit(model, unknownsOf(model), motions, options.threads > 0 ? options.threads : availableThreads());
+  fit.use(kMostData);
+  Identification result;
+  result.device = device;
+  addEstimates(fit, model, result);
+  return result.estimates;
 }
 
 }  // namespace enamel

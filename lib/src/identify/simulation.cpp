@@ -1,9 +1,9 @@
 #include "identify/simulation.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <Eigen/LU>
 
 #include "core/message.hpp"
 
@@ -111,7 +111,8 @@ template <int N>
 class Device {
  public:
   using Vector = typename Motors<N>::Vector;
-  using Matrix = Eigen::Matrix<double, N, N, 0, N == Eigen::Dynamic ? kMaxJoints : N, N == Eigen::Dynamic ? kMaxJoints : N>;
+  using Matrix =
+      Eigen::Matrix<double, N, N, 0, N == Eigen::Dynamic ? kMaxJoints : N, N == Eigen::Dynamic ? kMaxJoints : N>;
 
   explicit Device(const DeviceModel& model)
       : device_(deviceOf(model)),
@@ -181,15 +182,15 @@ class Device {
 
   double disturbed(Eigen::Index i, double torque, double angle) const {
     double sum = torque - friction_[i] * presliding_[i];
-    if (hasCogging_)
-      sum += (drive_.torqueRipple * torque + cogging_[i]) * std::sin(drive_.periods * angle + phase_[i]);
+    if (hasCogging_) sum += (drive_.torqueRipple * torque + cogging_[i]) * std::sin(drive_.periods * angle + phase_[i]);
     return sum;
   }
 
   // Second order in h: the speed is linear, the torque that of the middle.
   void moveRigidly(double h, const Vector& torque) {
     Vector sum(n_);
-    for (Eigen::Index i = 0; i < n_; ++i) sum[i] = disturbed(i, torque[i], link_.angle[i] + 0.5 * h * link_.rate[i]) - viscous_[i] * link_.rate[i];
+    for (Eigen::Index i = 0; i < n_; ++i)
+      sum[i] = disturbed(i, torque[i], link_.angle[i] + 0.5 * h * link_.rate[i]) - viscous_[i] * link_.rate[i];
     const Vector acceleration = falling_ + mobility_ * sum;
     link_.angle += h * link_.rate + 0.5 * h * h * acceleration;
     link_.rate += h * acceleration;
@@ -198,14 +199,17 @@ class Device {
   // Kutta's step for rotors, cables and links.
   void moveWithCables(double h, const Vector& torque) {
     Vector motor(n_);
-    for (Eigen::Index i = 0; i < n_; ++i) motor[i] = disturbed(i, torque[i], rotor_.angle[i] + 0.5 * h * rotor_.rate[i]);
+    for (Eigen::Index i = 0; i < n_; ++i)
+      motor[i] = disturbed(i, torque[i], rotor_.angle[i] + 0.5 * h * rotor_.rate[i]);
     Part link = link_, rotor = rotor_, linkSum{link_.rate, Vector::Zero(n_)}, rotorSum{rotor_.rate, linkSum.rate};
     linkSum.angle.setZero();
     rotorSum.angle.setZero();
     const double weights[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0}, ahead[3] = {0.5, 0.5, 1.0};
     for (int stage = 0; stage < 4; ++stage) {
-      const Vector cable = drive_.cableStiffness * (rotor.angle - link.angle) + drive_.cableDamping * (rotor.rate - link.rate);
-      const Vector pushed = falling_ + mobility_ * (cable - viscous_.cwiseProduct(link.rate)), turned = (motor - cable) / device_.rotorInertia;
+      const Vector cable =
+          drive_.cableStiffness * (rotor.angle - link.angle) + drive_.cableDamping * (rotor.rate - link.rate);
+      const Vector pushed = falling_ + mobility_ * (cable - viscous_.cwiseProduct(link.rate)),
+                   turned = (motor - cable) / device_.rotorInertia;
       linkSum.angle += weights[stage] * link.rate;
       linkSum.rate += weights[stage] * pushed;
       rotorSum.angle += weights[stage] * rotor.rate;
@@ -232,8 +236,8 @@ class Device {
   bool hasCogging_;
   Kinematics kinematics_;  // at the middle of the tick
   Jacobian before_;        // J at the middle of the tick before
-  Vector falling_;   // accelerations of the links without torque
-  Matrix mobility_;  // M^-1
+  Vector falling_;         // accelerations of the links without torque
+  Matrix mobility_;        // M^-1
   Part link_, rotor_;
   Vector presliding_;  // share of the friction, -1 to 1
 };
@@ -260,7 +264,7 @@ namespace {
 
 template <int N>
 Simulated simulateJoints(const DeviceModel& model, const RecordedMotion& motion, const Observer& observer,
-                   Eigen::Index first, Eigen::Index count) {
+                         Eigen::Index first, Eigen::Index count) {
   using Vector = typename Motors<N>::Vector;
   Device<N> device(model);
   require(device.start(motion.reading.col(first)),
@@ -293,8 +297,8 @@ Simulated simulateJoints(const DeviceModel& model, const RecordedMotion& motion,
 
 }  // namespace
 
-Simulated simulate(const DeviceModel& model, const RecordedMotion& motion, const Observer& observer,
-                   Eigen::Index first, Eigen::Index count) {
+Simulated simulate(const DeviceModel& model, const RecordedMotion& motion, const Observer& observer, Eigen::Index first,
+                   Eigen::Index count) {
   switch (motion.reading.rows()) {
     case 3: return simulateJoints<3>(model, motion, observer, first, count);
     case 6: return simulateJoints<6>(model, motion, observer, first, count);

@@ -29,7 +29,7 @@ struct Simulated {
 
 /// Simulate ticks `first` to `first` + `count` - 1. It begins at rest at the recorded pose. Throws Error if that pose
 /// is out of the model's reach, and ConfigurationError if the model is impossible.
-Simulated simulate(const DeviceModel& model, const RecordedMotion& motion, const Observer& observer,
-                   Eigen::Index first, Eigen::Index count);
+Simulated simulate(const DeviceModel& model, const RecordedMotion& motion, const Observer& observer, Eigen::Index first,
+                   Eigen::Index count);
 
 }  // namespace enamel::identify

@@ -34,10 +34,10 @@ class Spectrum {
  private:
   Eigen::VectorXd window_;
   double energy_ = 0.0;
-  Eigen::Index size_;          // of the transform
-  double line_ = 0.0;          // between two frequencies, Hz
-  std::vector<int> band_;      // of each frequency
-  std::vector<int> inBand_;    // frequencies in each band
+  Eigen::Index size_;        // of the transform
+  double line_ = 0.0;        // between two frequencies, Hz
+  std::vector<int> band_;    // of each frequency
+  std::vector<int> inBand_;  // frequencies in each band
 };
 
 }  // namespace enamel::identify

@@ -10,9 +10,10 @@
 namespace enamel::identify {
 namespace {
 
-constexpr double kWindow = 0.04;      // s, half of the smoothing window: about 15 Hz
-constexpr double kEvery = 0.005;      // s, between two equations
-constexpr double kClearly = 0.5;      // another assignment must leave less than this share of the residual
+constexpr double kWindow = 0.04;  // s, half of the smoothing window: about 15 Hz
+constexpr double kEvery = 0.005;  // s, between two equations
+constexpr double kDelay = 0.003;  // s, a typical delay of the loop
+constexpr double kClearly = 0.3;  // another assignment must explain so much more of one joint's torque
 constexpr double kLeastExplained = 0.3;
 constexpr double kLargestScale = 20.0;
 
@@ -45,18 +46,20 @@ void addEquations(const DeviceModel& model, const RecordedMotion& motion, Equati
   const auto half = static_cast<Eigen::Index>(kWindow / motion.period);
   const auto every = static_cast<Eigen::Index>(std::max(1.0, kEvery / motion.period));
   const Eigen::MatrixXd reading = smoothed(motion.reading, half), command = smoothed(motion.command, half);
+  const auto delay = static_cast<Eigen::Index>(kDelay / motion.period);
   Kinematics kinematics = device.mechanism->home();
   Eigen::MatrixXd needed(reading.rows(), reading.cols() / every), commands = needed, signs = needed;
   Eigen::Index count = 0;
   for (Eigen::Index i = half + every; i + half + every < reading.cols(); i += every) {
-    const JointVector rates = (reading.col(i + every) - reading.col(i - every)) / (2.0 * static_cast<double>(every) * motion.period);
+    const JointVector rates =
+        (reading.col(i + every) - reading.col(i - every)) / (2.0 * static_cast<double>(every) * motion.period);
     const JointVector acceleration = (reading.col(i + every) - 2.0 * reading.col(i) + reading.col(i - every)) /
                                      std::pow(static_cast<double>(every) * motion.period, 2);
     const auto torque =
         inverseDynamics(*device.mechanism, reading.col(i) - device.offset, rates, acceleration, kinematics);
     if (!torque) continue;
     needed.col(count) = *torque + device.rotorInertia * (model.hasCables() ? 1.0 : 0.0) * acceleration;
-    commands.col(count) = command.col(i);
+    commands.col(count) = command.col(std::max<Eigen::Index>(0, i - delay));
     signs.col(count++) = rates.cwiseSign();
   }
   append(equations.needed, needed.leftCols(count));
@@ -166,20 +169,22 @@ Wiring checkWiring(const DeviceModel& model, const std::vector<RecordedMotion>& 
     gains.push_back(table[i][i][0].gain);
   }
   const Assignment best = bestOf(table);
-  if (best.residual < kClearly * residual && !textOf(best, model.device).empty()) {
+  if (best.residual < residual - kClearly / static_cast<double>(joints) && !textOf(best, model.device).empty()) {
     wiring.problems.push_back("the motors are not wired as the device file says: " + textOf(best, model.device));
     return wiring;
   }
   if (residual > 1.0 - kLeastExplained) {
-    wiring.problems.push_back("the commands explain only " + formatNumber(std::round(100.0 * (1.0 - residual))) +
-                              " % of the torque that the motion needs: was the tool held, or are numbers in the wrong unit?");
+    wiring.problems.push_back(
+        "the commands explain only " + formatNumber(std::round(100.0 * (1.0 - residual))) +
+        " % of the torque that the motion needs: was the tool held, or are numbers in the wrong unit?");
     return wiring;
   }
   std::nth_element(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(joints / 2), gains.end());
   wiring.scale = gains[joints / 2];
   if (!(wiring.scale < kLargestScale && wiring.scale > 1.0 / kLargestScale))
-    wiring.problems.push_back("the device file needs " + formatNumber(wiring.scale) +
-                              " times the commanded torque: check the units of readings (m and rad), masses and torques");
+    wiring.problems.push_back(
+        "the device file needs " + formatNumber(wiring.scale) +
+        " times the commanded torque: check the units of readings (m and rad), masses and torques");
   return wiring;
 }
 

@@ -18,9 +18,10 @@ struct Sine {
   double phase = 0.0;      ///< rad
 };
 
-/// Excitation of one direction of the platform: f = K (r - x) + B (r' - x') + h. r is the sum of `motion`, h that of
-/// `force`.
+/// Excitation of one direction of the platform: f = M r'' + K (r - x) + B (r' - x') + h. r is the sum of `motion`, h
+/// that of `force`.
 struct ExcitationAxis {
+  double inertia = 0.0;                   ///< M, kg or kg m^2
   double stiffness = 0.0, damping = 0.0;  ///< K and B, N/m and N s/m, or N m/rad and N m s/rad
   std::vector<Sine> motion, force;
 };
@@ -44,8 +45,8 @@ struct ExcitationOptions {
   std::uint64_t seed = 1;  ///< of the phases
 };
 
-/// Design an excitation for a device at home. The slow part (0.15 to 3 Hz) follows a path within the workspace. The fast
-/// part (4 Hz to 0.4 of the tick rate) is a force. Throws Error if an option is out of its range. Realtime: no.
+/// Design an excitation for a device at home. The slow part (0.15 to 3 Hz) follows a path within the workspace. The
+/// fast part (4 Hz to 0.4 of the tick rate) is a force. Throws Error if an option is out of its range. Realtime: no.
 Excitation designExcitation(const Mechanism& mechanism, const ExcitationOptions& options = {});
 
 /// Read an excitation from its TOML file, and write its text. Throws ConfigurationError with file, line and key for a

@@ -9,32 +9,33 @@
 #include <vector>
 
 #include "enamel/device/device_file.hpp"
+#include "enamel/identify/excitation.hpp"
 #include "enamel/identify/motion.hpp"
 
 namespace enamel {
 
 /// An estimated number.
 struct Estimate {
-  std::string key;             ///< key of the device file, such as "platform.mass", or a name in words
-  std::string unit;            ///< "" for a ratio
-  double before = 0.0;         ///< value of the device file, or the assumption without one
-  double value = 0.0;          ///< estimate
+  std::string key;               ///< key of the device file, such as "platform.mass", or a name in words
+  std::string unit;              ///< "" for a ratio
+  double before = 0.0;           ///< value of the device file, or the assumption without one
+  double value = 0.0;            ///< estimate
   double low = 0.0, high = 0.0;  ///< 95 % interval
-  bool isInFile = true;        ///< `key` is a key of the device file
-  bool isSeen = true;          ///< false: the recording does not show it; the interval says what is still possible
+  bool isInFile = true;          ///< `key` is a key of the device file
+  bool isSeen = true;            ///< false: the recording does not show it; the interval says what is still possible
 };
 
 /// Delay from the command of a tick to the motor, in ticks. It is uniform in low to high.
 struct DelayEstimate {
   int low = 0, high = 0;
-  bool isCertain = false;      ///< false: another delay explains the recording nearly as well
-  double evidence = 0.0;       ///< difference of the log likelihood to the second best delay
-  std::string second;          ///< the second best delay, such as "2" or "1..3"
+  bool isCertain = false;  ///< false: another delay explains the recording nearly as well
+  double evidence = 0.0;   ///< difference of the log likelihood to the second best delay
+  std::string second;      ///< the second best delay, such as "2" or "1..3"
 };
 
 /// Result of an identification.
 struct Identification {
-  DeviceParameters device;            ///< with the estimates that are keys of the file and are seen
+  DeviceParameters device;  ///< with the estimates that are keys of the file and are seen
   std::vector<Estimate> estimates;
   DelayEstimate delay;
   double lostSamples = 0.0;           ///< share of the ticks without a sample
@@ -58,5 +59,12 @@ struct IdentifyOptions {
 /// Throws Error if there is no motion, or the motions have different periods. Realtime: no.
 Identification identifyDevice(const std::vector<RecordedMotion>& motions, const DeviceParameters& device,
                               const IdentifyOptions& options = {});
+
+/// Return the precision that a recording of this excitation will have, before anything moves: estimates at the values
+/// of the file. The device is simulated with the numbers of its file and rounded encoders. The intervals follow from
+/// the Fisher information. A real device has effects that the model lacks: its intervals are wider. Throws Error if the
+/// guard stops the simulated run. Realtime: no.
+std::vector<Estimate> expectedPrecision(const Excitation& excitation, const DeviceParameters& device,
+                                        const IdentifyOptions& options = {});
 
 }  // namespace enamel
