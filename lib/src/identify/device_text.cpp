@@ -113,7 +113,7 @@ std::string tableOf(const Identification& result) {
 }
 
 std::string identifiedText(const std::string& text, const Identification& result) {
-  if (!result.isUsable()) throw Error("there is no device file: " + result.problems.front());
+  if (!result.isUsable()) throw Error("the device cannot be identified: " + result.problems.front());
   std::string changed = text;
   for (const auto& [key, value] : valuesOf(result)) changed = withValue(changed, key, value);
   std::string head =

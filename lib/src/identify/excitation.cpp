@@ -283,9 +283,9 @@ std::string textOf(const Excitation& excitation) {
   text += "workspace = [" + formatNumber(excitation.workspace.x()) + ", " + formatNumber(excitation.workspace.y()) +
           ", " + formatNumber(excitation.workspace.z()) + "]  # m, half widths, limit of the guard\n";
   for (const ExcitationAxis& axis : excitation.axes)
-    text += "\n[[axis]]\n" + line("inertia", axis.inertia, "kg or kg m^2") + line("stiffness", axis.stiffness, "N/m or N m/rad") +
-            line("damping", axis.damping, "N s/m or N m s/rad") + "motion = " + textOf(axis.motion) +
-            "force = " + textOf(axis.force);
+    text += "\n[[axis]]\n" + line("inertia", axis.inertia, "kg or kg m^2") +
+            line("stiffness", axis.stiffness, "N/m or N m/rad") + line("damping", axis.damping, "N s/m or N m s/rad") +
+            "motion = " + textOf(axis.motion) + "force = " + textOf(axis.force);
   return text;
 }
 

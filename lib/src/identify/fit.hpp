@@ -40,9 +40,9 @@ class Fit {
   /// Return the minus log likelihood L at x, with its prior. Comparable for the same data.
   double misfit();
 
-  /// Return the covariance of x: A^-1 (B + P) A^-1 with A = the information of data and prior P, B = the sum of
-  /// products of the scores of blocks of kBlock s. It holds for residuals of any spectrum and changing variance
-  /// (H. White 1980; blocks as W. Newey and K. West 1987). A fixed unknown has zero rows.
+  /// Return the covariance of x: A^-1 (B + P) A^-1. A is the information of data and prior, P that of the prior alone,
+  /// and B the sum of products of the scores of blocks of kBlock s. It holds for residuals of any spectrum and changing
+  /// variance (H. White 1980; blocks as W. Newey and K. West 1987). A fixed unknown has zero rows.
   Eigen::MatrixXd covariance();
 
   /// Return the share of the variance of the torque that the model explains below 20 Hz, for each joint.

@@ -56,7 +56,7 @@ struct IdentifyOptions {
 /// - Intervals hold for residuals of any spectrum. They do not cover effects that the model lacks.
 /// - Problems: motors that are swapped or have a wrong sign, wrong units, motions that show nothing.
 ///
-/// Throws Error if there is no motion, or the motions have different periods. Realtime: no.
+/// Throws Error if `motions` is empty, or the motions have different periods. Realtime: no.
 Identification identifyDevice(const std::vector<RecordedMotion>& motions, const DeviceParameters& device,
                               const IdentifyOptions& options = {});
 
