@@ -252,20 +252,10 @@ void Fit::improve(int steps, bool isRelative, bool keepsSlopes) {
       int left = 0;
       Residuals there = residuals(next, left);
       isBetter = cost(there, power) + priorCost(next) < before;
-      if (getenv("IDV"))
-        fprintf(stderr, "  damping %g predicted %.1f actual %.1f\n", damping, (b.dot(step) - 0.5 * step.dot(A * step)),
-                before - cost(there, power) - priorCost(next));
       if (!isBetter) continue;
       x = baseAt_ = next;
       base_ = std::move(there);
       restarts = left;
-    }
-    if (getenv("IDV")) {
-      fprintf(stderr, "step %d better %d cost %.1f -> misfit %.1f\n", taken, isBetter, before, misfit());
-      if (getenv("IDV")[0] == '2')
-        for (std::size_t i = 0; i < unknowns_.size(); ++i)
-          fprintf(stderr, "   %s %g (step %g dev %g)\n", unknowns_[i].key.c_str(), unknowns_[i].at(x[i]), step[i],
-                  1 / std::sqrt(A(i, i)));
     }
     if (!isBetter || step.dot(b - 0.5 * A * step) < kConverged) return;
   }
