@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     enamel::app::addEvaluate(app);
     enamel::app::addDesign(app);
+    enamel::app::addIdentify(app);
     enamel::app::addPush(app);
     enamel::app::addReplay(app);
     enamel::app::addExport(app);

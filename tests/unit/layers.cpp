@@ -29,6 +29,7 @@ const std::vector<std::vector<std::string>> kLayers = {{"core"},
                                                        {"tests"}};
 const std::map<std::string, std::set<std::string>> kBeside = {
     {"control", {"device"}},                                           // the linear plant of a mechanism
+    {"identify", {"study"}},                                           // threads
     {"apps/enamel", {"apps/program", "apps/colours", "plugins/fmi"}},  // writes units and uses them as plants
     {"apps/viewer", {"apps/program", "apps/colours", "apps/offscreen"}}};
 

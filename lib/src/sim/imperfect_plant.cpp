@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "enamel/core/error.hpp"
 #include "enamel/sim/random.hpp"
@@ -115,6 +116,17 @@ ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uin
   return device;
 }
 
+ImperfectPlant::ImperfectPlant(ImperfectDevice device, double step) noexcept
+    : Plant(*device.mechanism), device_(std::move(device)), step_(step) {
+  const auto complete = [n = mechanism().joints()](JointVector& values, double common) {
+    if (values.size() != n) values = JointVector::Constant(n, common);
+  };
+  complete(device_.torqueConstant, 1.0);
+  complete(device_.coulombFriction, device_.imperfections.coulombFriction);
+  complete(device_.cogging, device_.imperfections.cogging);
+  complete(device_.coggingPhase, 0.0);
+}
+
 ImperfectPlant::State moved(const ImperfectPlant::State& state, const ImperfectPlant::Slope& slope, double h) noexcept {
   ImperfectPlant::State s = state;
   s.link = detail::moved(state.link, slope.link, h);
@@ -163,7 +175,7 @@ void ImperfectPlant::relax(double h, const JointVector& command, Rotors& rotors)
   const double lag = e.currentBandwidth > 0.0 ? -std::expm1(-2.0 * M_PI * e.currentBandwidth * h) : 1.0;
   for (Eigen::Index i = 0; i < command.size(); ++i) {
     const double asked = e.torqueStep > 0.0 ? e.torqueStep * std::nearbyint(command[i] / e.torqueStep) : command[i];
-    rotors.current[i] += lag * (asked - rotors.current[i]);
+    rotors.current[i] += lag * (device_.torqueConstant[i] * asked - rotors.current[i]);
     const double limit = std::copysign(kPresliding, rotors.speed[i]);
     rotors.presliding[i] =
         limit + (rotors.presliding[i] - limit) * std::exp(-std::abs(rotors.speed[i]) * h / kPresliding);
@@ -175,8 +187,9 @@ JointVector ImperfectPlant::torqueOf(const Rotors& rotors) const noexcept {
   const Imperfections& e = device_.imperfections;
   JointVector torque = rotors.current;
   for (Eigen::Index i = 0; i < torque.size(); ++i)
-    torque[i] += (e.torqueRipple * torque[i] + e.cogging) * std::sin(e.periods * rotors.angle[i]) -
-                 e.coulombFriction * rotors.presliding[i] / kPresliding;
+    torque[i] += (e.torqueRipple * torque[i] + device_.cogging[i]) *
+                     std::sin(e.periods * rotors.angle[i] + device_.coggingPhase[i]) -
+                 device_.coulombFriction[i] * rotors.presliding[i] / kPresliding;
   return torque;
 }
 

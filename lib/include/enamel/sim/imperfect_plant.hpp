@@ -17,6 +17,9 @@ struct ImperfectDevice {
   std::shared_ptr<const Mechanism> mechanism;  ///< as built; without rotors if cables hold them
   double rotorInertia = 0.0;                   ///< as built, kg m^2
   JointVector offset;                          ///< of the encoders, rad
+  JointVector torqueConstant;                  ///< of each motor, torque per commanded torque; empty: 1
+  JointVector coulombFriction, cogging;        ///< of each joint, N m; empty: all as in `imperfections`
+  JointVector coggingPhase;                    ///< of each joint, of cogging and ripple, rad; empty: 0
 };
 
 /// Draw one device from a seed and a number: lengths, masses, and the offset of each encoder. The encoders are set at
@@ -28,8 +31,8 @@ ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uin
 /// A plant with a rotor behind each joint. c is the command and m the motor's torque. The rotor has the angle th, the
 /// speed w and the inertia J. q is the joint and T the torque on it.
 ///
-///   m' = 2 pi f (round(c) - m)                           amplifier and current loop.
-///   J w' = m (1 + r sin N th) + a sin N th - F - T       ripple and cogging.
+///   m' = 2 pi f (g round(c) - m)                         amplifier, torque constant g and current loop.
+///   J w' = m (1 + r sin(N th + p)) + a sin(N th + p) - F - T       ripple and cogging with the phase p.
 ///   F = F_c z / z_c,  z' = w - |w| z / z_c               Coulomb friction.
 ///   T = k (th - q -+ b/2) + d (w - q')                   cable; T is 0 within the backlash b.
 ///
@@ -39,8 +42,7 @@ class ImperfectPlant final : public Plant {
  public:
   /// Integrate in steps of at most `step` s (Strang 1968). Each step has three parts: half a step of current and
   /// friction, exact at constant speed; the motion by RK4; the other half of current and friction.
-  explicit ImperfectPlant(ImperfectDevice device, double step = 5e-5) noexcept
-      : Plant(*device.mechanism), device_(std::move(device)), step_(step) {}
+  explicit ImperfectPlant(ImperfectDevice device, double step = 5e-5) noexcept;
 
   [[nodiscard]] std::unique_ptr<Plant> clone() const override { return std::make_unique<ImperfectPlant>(*this); }
   [[nodiscard]] Status start(const Pose& pose) override;

@@ -1,0 +1,130 @@
+#include "enamel/identify/device_text.hpp"
+
+#include <cstdio>
+#include <map>
+#include <sstream>
+
+#include "core/message.hpp"
+
+namespace enamel {
+namespace {
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.6g", value);
+  return text;
+}
+
+std::string vectorText(const double* values, int count) {
+  std::string text = "[";
+  for (int i = 0; i < count; ++i) text += (i > 0 ? ", " : "") + rounded(values[i]);
+  return text + "]";
+}
+
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r"), end = text.find_last_not_of(" \t\r");
+  return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
+}
+
+// Values of vectors, whose elements are single estimates.
+std::string vectorOf(const std::string& key, const DeviceParameters& device) {
+  const auto* cartesian = std::get_if<CartesianParameters>(&device);
+  if (cartesian == nullptr) throw Error("the key " + key + " is not written");
+  if (key == "gravity") return vectorText(cartesian->gravity.data(), 3);
+  if (key == "platform.damping") return vectorText(cartesian->damping.data(), cartesian->axes);
+  const Mat3& inertia = cartesian->inertia;
+  if (Mat3(inertia.diagonal().asDiagonal()) == inertia) return vectorText(Vec3(inertia.diagonal()).data(), 3);
+  std::string rows = "[";
+  for (int i = 0; i < 3; ++i) rows += (i > 0 ? ", " : "") + vectorText(Vec3(inertia.row(i)).data(), 3);
+  return rows + "]";
+}
+
+// Keys and values for the file.
+std::map<std::string, std::string> valuesOf(const Identification& result) {
+  std::map<std::string, std::string> values;
+  for (const Estimate& e : result.estimates) {
+    if (!e.isInFile) continue;
+    const std::string key = e.key.substr(0, e.key.find('['));
+    values[key] = key == e.key ? rounded(e.value) : vectorOf(key, result.device);
+  }
+  if (std::holds_alternative<CartesianParameters>(result.device)) {
+    values.erase("imperfections.periods");
+    values.erase("imperfections.torque_ripple");
+    return values;
+  }
+  const Imperfections& e = imperfectionsOf(result.device);
+  values["imperfections.coulomb_friction"] = rounded(e.coulombFriction);
+  values["imperfections.current_bandwidth"] = rounded(e.currentBandwidth);
+  values["imperfections.lost_samples"] = rounded(result.lostSamples);
+  if (e.cogging > 0.0) values["imperfections.cogging"] = rounded(e.cogging);
+  return values;
+}
+
+std::string lineOf(const Estimate& e) {
+  char text[160];
+  std::snprintf(text, sizeof(text), "%-34s %12.5g  [%.5g, %.5g] %s  (file: %.5g)%s", e.key.c_str(), e.value, e.low,
+                e.high, e.unit.c_str(), e.before, e.isSeen ? "" : "  not seen");
+  return text;
+}
+
+}  // namespace
+
+std::string withValue(const std::string& text, const std::string& key, const std::string& value) {
+  const std::size_t dot = key.rfind('.');
+  const std::string table = dot == std::string::npos ? "" : key.substr(0, dot);
+  const std::string name = dot == std::string::npos ? key : key.substr(dot + 1);
+  std::istringstream lines(text);
+  std::string result, here;
+  bool isDone = false;
+  std::size_t end = table.empty() ? 0 : std::string::npos;  // of the table's header, in `result`
+  for (std::string line; std::getline(lines, line);) {
+    const std::string content = trimmed(line.substr(0, line.find('#')));
+    if (!content.empty() && content.front() == '[' && content.find('=') == std::string::npos) {
+      here =
+          trimmed(content.substr(content.find_first_not_of('['), content.find(']') - content.find_first_not_of('[')));
+    }
+    const std::size_t equals = content.find('=');
+    if (!isDone && here == table && equals != std::string::npos && trimmed(content.substr(0, equals)) == name) {
+      if (content.find('[') != std::string::npos && content.find(']') == std::string::npos)
+        throw Error("the value of " + key + " extends over several lines: write it on one line");
+      const std::size_t comment = line.find('#');
+      std::string changed = name + " = " + value;
+      if (comment != std::string::npos)
+        changed += std::string(comment > changed.size() ? comment - changed.size() : 1, ' ') + line.substr(comment);
+      line = changed;
+      isDone = true;
+    }
+    result += line + "\n";
+    if (here == table && !table.empty() && end == std::string::npos) end = result.size();
+  }
+  if (isDone) return result;
+  if (end == std::string::npos) return result + "\n[" + table + "]\n" + name + " = " + value + "\n";
+  return result.insert(end, name + " = " + value + "\n");
+}
+
+std::string tableOf(const Identification& result) {
+  std::string text;
+  for (const Estimate& e : result.estimates) text += lineOf(e) + "\n";
+  const DelayEstimate& d = result.delay;
+  text += "loop delay: " + std::to_string(d.low) + (d.high > d.low ? " to " + std::to_string(d.high) : "") + " ticks" +
+          (d.isCertain ? "" : ", not certain: " + d.second + " explains the recording nearly as well") + "\n";
+  text += "samples lost: " + rounded(100.0 * result.lostSamples) + " %\n";
+  return text;
+}
+
+std::string identifiedText(const std::string& text, const Identification& result) {
+  if (!result.isUsable()) throw Error("the device cannot be identified: " + result.problems.front());
+  std::string changed = text;
+  for (const auto& [key, value] : valuesOf(result)) changed = withValue(changed, key, value);
+  std::string head =
+      "# Numbers estimated by enamel identify: value, 95 % interval, value of the file before. The torque constants "
+      "are\n"
+      "# relative to their mean: with it, all masses, inertias and frictions may be wrong by one common factor.\n";
+  std::istringstream lines(tableOf(result));
+  for (std::string line; std::getline(lines, line);) head += "#   " + line + "\n";
+  changed = head + "\n" + changed;
+  (void)makeMechanism(parseDevice(changed, "the identified device"));
+  return changed;
+}
+
+}  // namespace enamel

@@ -1,0 +1,383 @@
+#include "identify/fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+
+#include "enamel/study/parallel.hpp"
+
+namespace enamel::identify {
+namespace {
+
+constexpr double kTransient = 0.5;    // s, skipped at the beginning of each piece
+constexpr double kStep = 0.003;       // of x, for differences
+constexpr double kRelative = 0.05;    // residual that counts as noise, of the reading's power: far from the device
+constexpr double kFloor = 0.3;        // of the power of rounding
+constexpr double kBlock = 0.25;       // s, of the scores
+constexpr double kBandwidth = 8.0;    // independent frequencies in the narrowest band
+constexpr double kExplained = 20.0;   // Hz, below which explained() compares
+constexpr double kConverged = 0.1;    // expected change of the log likelihood in the next step
+constexpr double kLongestStep = 1.5;  // of the spread of an unknown
+
+// Replace the values of ticks without a sample by straight lines.
+void interpolate(const RecordedMotion& motion, Eigen::Index first, Eigen::MatrixXd& rows) {
+  Eigen::Index last = -1;
+  for (Eigen::Index k = 0; k < rows.cols(); ++k) {
+    if (motion.isSample[static_cast<std::size_t>(first + k)] == 0) continue;
+    for (Eigen::Index i = last + 1; i < k; ++i) {
+      const double share = last < 0 ? 1.0 : static_cast<double>(i - last) / static_cast<double>(k - last);
+      rows.col(i) = last < 0 ? Eigen::VectorXd(rows.col(k))
+                             : Eigen::VectorXd((1.0 - share) * rows.col(last) + share * rows.col(k));
+    }
+    last = k;
+  }
+  for (Eigen::Index i = last + 1; i < rows.cols() && last >= 0; ++i) rows.col(i) = rows.col(last);
+}
+
+}  // namespace
+
+Fit::Fit(DeviceModel reference, std::vector<Unknown> unknowns, const std::vector<RecordedMotion>& motions, int threads)
+    : reference_(std::move(reference)), unknowns_(std::move(unknowns)), motions_(motions), threads_(threads) {
+  x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size()));
+  isFixed.assign(unknowns_.size(), 0);
+  observer_ = observerFor(reference_, motions.front().period);
+  const JointVector step = makeMechanism(reference_.device)->limits().encoderStep;
+  floor_ = kFloor / 12.0 * step.array().square();
+  use(std::numeric_limits<double>::infinity());
+}
+
+int Fit::find(const std::string& key) const noexcept {
+  for (std::size_t i = 0; i < unknowns_.size(); ++i)
+    if (unknowns_[i].key == key) return static_cast<int>(i);
+  return -1;
+}
+
+void Fit::use(double seconds) {
+  pieces_.clear();
+  slopes_.clear();
+  baseAt_.resize(0);
+  for (const RecordedMotion& motion : motions_) {
+    const double left = seconds - kTransient;
+    if (left < 1.0) break;
+    const auto skipped = static_cast<Eigen::Index>(kTransient / motion.period);
+    const double most = std::min(left / motion.period, static_cast<double>(motion.ticks() - skipped));
+    const auto count = static_cast<Eigen::Index>(most);
+    const double bandwidth = kBandwidth / (most * motion.period);
+    pieces_.push_back({&motion, skipped, count, std::make_unique<Spectrum>(count, motion.period, bandwidth)});
+    seconds -= most * motion.period + kTransient;
+  }
+}
+
+Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, int& left) const {
+  const DeviceModel model = modelAt(reference_, unknowns_, at);
+  Residuals all;
+  left = 0;
+  for (const Piece& piece : pieces_) {
+    const Simulated simulated = simulate(model, *piece.motion, observer_, 0, piece.first + piece.count);
+    left += simulated.restarts;
+    Eigen::MatrixXd rows =
+        piece.motion->reading.middleCols(piece.first, piece.count) - simulated.reading.rightCols(piece.count);
+    interpolate(*piece.motion, piece.first, rows);
+    all.push_back(std::move(rows));
+  }
+  return all;
+}
+
+void Fit::updateSlopes(const Residuals& base) {
+  slopes_.assign(unknowns_.size(), {});
+  parallelFor(unknowns_.size(), threads_, [&](std::size_t i) {
+    if (isFixed[i] != 0) return;
+    Eigen::VectorXd moved = x;
+    moved[static_cast<Eigen::Index>(i)] += kStep;
+    int left;
+    const Residuals other = residuals(moved, left);
+    for (std::size_t p = 0; p < base.size(); ++p) slopes_[i].push_back(((base[p] - other[p]) / kStep).cast<float>());
+  });
+}
+
+Fit::Powers Fit::powers(const Residuals& residuals, bool isRelative) const {
+  Powers all(pieces_.size());
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    const Piece& piece = pieces_[p];
+    const Spectrum& spectrum = *piece.spectrum;
+    for (Eigen::Index joint = 0; joint < residuals[p].rows(); ++joint) {
+      Eigen::VectorXd row = residuals[p].row(joint);
+      if (isRelative) row = piece.motion->reading.row(joint).segment(piece.first, piece.count);
+      if (isRelative) row.array() -= row.mean();
+      Eigen::VectorXd power = spectrum.bands(spectrum.transform(row));
+      if (isRelative) power = (kRelative * kRelative * power).array() + floor_[joint] / kFloor;
+      all[p].push_back(spectrum.spread(power.cwiseMax(floor_[joint])));
+    }
+  }
+  return all;
+}
+
+double Fit::priorCost(const Eigen::VectorXd& at) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < unknowns_.size(); ++i)
+    sum += 0.5 * std::pow(at[static_cast<Eigen::Index>(i)] / unknowns_[i].spread, 2);
+  return sum;
+}
+
+double Fit::cost(const Residuals& residuals, const Powers& powers) const {
+  double sum = 0.0;
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    const Spectrum& spectrum = *pieces_[p].spectrum;
+    for (Eigen::Index joint = 0; joint < residuals[p].rows(); ++joint) {
+      const Eigen::VectorXd square = spectrum.transform(residuals[p].row(joint)).cwiseAbs2();
+      const Eigen::VectorXd& power = powers[p][static_cast<std::size_t>(joint)];
+      sum += 0.5 * spectrum.samples() * spectrum.mean(square.cwiseQuotient(power));
+    }
+  }
+  return sum;
+}
+
+double Fit::misfit() {
+  if (baseAt_.size() != x.size() || baseAt_ != x) {
+    base_ = residuals(x, restarts);
+    baseAt_ = x;
+  }
+  const Powers power = powers(base_, false);
+  double sum = cost(base_, power) + priorCost(x);
+  for (std::size_t p = 0; p < pieces_.size(); ++p)
+    for (const Eigen::VectorXd& row : power[p])
+      sum += 0.5 * pieces_[p].spectrum->samples() * pieces_[p].spectrum->mean(row.array().log());
+  return sum;
+}
+
+void Fit::normalEquations(const Residuals& residuals, const Powers& powers, Eigen::MatrixXd& A,
+                          Eigen::VectorXd& b) const {
+  std::vector<Eigen::Index> free;
+  for (std::size_t i = 0; i < unknowns_.size(); ++i)
+    if (isFixed[i] == 0) free.push_back(static_cast<Eigen::Index>(i));
+  const auto count = static_cast<Eigen::Index>(free.size());
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count + 1);
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    const Spectrum& spectrum = *pieces_[p].spectrum;
+    for (Eigen::Index joint = 0; joint < residuals[p].rows(); ++joint) {
+      const Eigen::VectorXd weight = powers[p][static_cast<std::size_t>(joint)].cwiseSqrt().cwiseInverse();
+      Eigen::MatrixXd rows(2 * weight.size(), count + 1);  // real and imaginary parts
+      for (Eigen::Index i = 0; i <= count; ++i) {
+        const Eigen::VectorXd signal =
+            i == count ? Eigen::VectorXd(residuals[p].row(joint))
+                       : Eigen::VectorXd(slopes_[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])][p]
+                                             .row(joint)
+                                             .cast<double>());
+        const Eigen::VectorXcd white = spectrum.transform(signal).cwiseProduct(weight);
+        rows.col(i).head(weight.size()) = white.real();
+        rows.col(i).tail(weight.size()) = white.imag();
+      }
+      // The mean over all frequencies: twice the positive ones. Zero and half of the sample rate hardly matter.
+      const double scale = spectrum.samples() / static_cast<double>(weight.size());
+      sum += scale * rows.leftCols(count).transpose() * rows;
+    }
+  }
+  A = Eigen::MatrixXd::Zero(x.size(), x.size());
+  b = Eigen::VectorXd::Zero(x.size());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    b[free[static_cast<std::size_t>(i)]] = sum(i, count);
+    for (Eigen::Index k = 0; k < count; ++k)
+      A(free[static_cast<std::size_t>(i)], free[static_cast<std::size_t>(k)]) = sum(i, k);
+  }
+}
+
+// An unknown at its bound stays there if it would leave.
+bool Fit::isHeld(std::size_t i, const Eigen::VectorXd& b) const {
+  const auto k = static_cast<Eigen::Index>(i);
+  return isFixed[i] != 0 || (x[k] <= unknowns_[i].least() && b[k] <= 0.0);
+}
+
+// An unknown that would pass its bound stops there, and the others are solved again.
+Eigen::VectorXd Fit::stepOf(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double damping) const {
+  Eigen::VectorXd held = Eigen::VectorXd::Constant(x.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < unknowns_.size(); ++i)
+    if (isHeld(i, b)) held[static_cast<Eigen::Index>(i)] = 0.0;
+  Eigen::VectorXd step;
+  for (int again = 0; again < 8; ++again) {
+    Eigen::MatrixXd left = A;
+    left.diagonal() *= 1.0 + damping;
+    Eigen::VectorXd right = b;
+    for (Eigen::Index k = 0; k < x.size(); ++k) {
+      if (std::isnan(held[k])) continue;
+      right -= held[k] * A.col(k);
+      left.row(k).setZero();
+      left.col(k).setZero();
+      left(k, k) = 1.0;
+    }
+    for (Eigen::Index k = 0; k < x.size(); ++k)
+      if (!std::isnan(held[k])) right[k] = held[k];
+    step = left.ldlt().solve(right);
+    bool isInside = true;
+    for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      if (step[k] >= unknowns_[i].least() - x[k]) continue;
+      held[k] = unknowns_[i].least() - x[k];
+      isInside = false;
+    }
+    if (isInside) break;
+  }
+  double longest = 1.0;
+  for (std::size_t i = 0; i < unknowns_.size(); ++i)
+    longest = std::max(longest, std::abs(step[static_cast<Eigen::Index>(i)]) / (kLongestStep * unknowns_[i].spread));
+  step /= longest;
+  for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    step[k] = std::max(step[k], unknowns_[i].least() - x[k]);
+  }
+  return step;
+}
+
+void Fit::improve(int steps, bool isRelative, bool keepsSlopes) {
+  for (int taken = 0; taken < steps; ++taken) {
+    (void)misfit();  // updates base_
+    if (!keepsSlopes || slopes_.empty()) updateSlopes(base_);
+    const Powers power = powers(base_, isRelative);
+    Eigen::MatrixXd A;
+    Eigen::VectorXd b;
+    normalEquations(base_, power, A, b);
+    for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      const double precision = 1.0 / (unknowns_[i].spread * unknowns_[i].spread);
+      A(k, k) += precision;
+      b[k] -= precision * x[k];
+    }
+    const double before = cost(base_, power) + priorCost(x);
+    Eigen::VectorXd step;
+    bool isBetter = false;
+    for (double damping = 0.0; damping < 200.0 && !isBetter; damping = std::max(0.01, 10.0 * damping)) {
+      step = stepOf(A, b, damping);
+      const Eigen::VectorXd next = x + step;
+      int left = 0;
+      Residuals there = residuals(next, left);
+      isBetter = cost(there, power) + priorCost(next) < before;
+      if (!isBetter) continue;
+      x = baseAt_ = next;
+      base_ = std::move(there);
+      restarts = left;
+    }
+    if (!isBetter || step.dot(b - 0.5 * A * step) < kConverged) return;
+  }
+}
+
+Eigen::MatrixXd Fit::covariance() {
+  (void)misfit();
+  if (slopes_.empty()) updateSlopes(base_);
+  const Powers power = powers(base_, false);
+  Eigen::MatrixXd A;
+  Eigen::VectorXd b;
+  normalEquations(base_, power, A, b);
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(x.size(), x.size());
+  int blocks = 0;
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    const Spectrum& spectrum = *pieces_[p].spectrum;
+    const auto length = static_cast<Eigen::Index>(kBlock / pieces_[p].motion->period);
+    const Eigen::Index count = pieces_[p].count / length;
+    Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(x.size(), count);
+    for (Eigen::Index joint = 0; joint < base_[p].rows(); ++joint) {
+      const Eigen::VectorXd weight = power[p][static_cast<std::size_t>(joint)].cwiseSqrt().cwiseInverse();
+      const auto white = [&](const Eigen::VectorXd& signal) {
+        return spectrum.inverse(spectrum.transform(signal).cwiseProduct(weight));
+      };
+      const Eigen::VectorXd e = white(base_[p].row(joint));
+      for (Eigen::Index i = 0; i < x.size(); ++i) {
+        if (isFixed[static_cast<std::size_t>(i)] != 0) continue;
+        const Eigen::VectorXd product =
+            e.cwiseProduct(white(slopes_[static_cast<std::size_t>(i)][p].row(joint).cast<double>()));
+        for (Eigen::Index k = 0; k < count; ++k) scores(i, k) += product.segment(k * length, length).sum();
+      }
+    }
+    B += scores * scores.transpose();
+    blocks += static_cast<int>(count);
+  }
+  const double unknowns = static_cast<double>(std::count(isFixed.begin(), isFixed.end(), 0));
+  B *= blocks / std::max(0.2 * blocks, blocks - unknowns);
+  for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const double precision = 1.0 / (unknowns_[i].spread * unknowns_[i].spread);
+    A(k, k) += isFixed[i] != 0 ? 1e30 : precision;
+    B(k, k) += isFixed[i] != 0 ? 0.0 : precision;
+  }
+  const Eigen::MatrixXd inverse = A.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
+  return inverse * B * inverse;
+}
+
+void Fit::add(const std::vector<Unknown>& unknowns) {
+  unknowns_.insert(unknowns_.end(), unknowns.begin(), unknowns.end());
+  const Eigen::Index before = x.size();
+  x.conservativeResize(static_cast<Eigen::Index>(unknowns_.size()));
+  x.tail(x.size() - before).setZero();
+  isFixed.resize(unknowns_.size(), 0);
+  slopes_.clear();
+  baseAt_.resize(0);
+}
+
+// Torque of a residual e at each frequency: M (e'' + 2 w e' + w^2 e), with inertia M and observer w.
+Eigen::VectorXd Fit::torquePerReading(const Spectrum& spectrum, Eigen::Index joint) const {
+  const double rate = 2.0 * M_PI * kObserverRate, inertia = observer_.stiffness[joint] / (rate * rate);
+  Eigen::VectorXd gain = spectrum.frequencies();
+  return inertia * (gain.array().square() * (4.0 * M_PI * M_PI) + rate * rate);
+}
+
+std::vector<Eigen::VectorXd> Fit::whiteTorque() {
+  (void)misfit();
+  const Piece& piece = pieces_.front();
+  const Spectrum& spectrum = *piece.spectrum;
+  reading_ = piece.motion->reading.middleCols(piece.first, piece.count);
+  torqueGain_.clear();
+  std::vector<Eigen::VectorXd> torques;
+  const Powers power = powers(base_, false);
+  for (Eigen::Index joint = 0; joint < reading_.rows(); ++joint) {
+    const Eigen::VectorXd gain = torquePerReading(spectrum, joint);
+    const Eigen::VectorXd deviation = power[0][static_cast<std::size_t>(joint)].cwiseSqrt();
+    torqueGain_.push_back(gain.cwiseProduct(deviation).cwiseInverse());
+    // The phase of the observer: e'' + 2 w e' + w^2 e = (i f + w)^2 e.
+    const double rate = kObserverRate;
+    Eigen::VectorXcd white = spectrum.transform(base_[0].row(joint)).cwiseQuotient(deviation);
+    const Eigen::VectorXd f = spectrum.frequencies();
+    for (Eigen::Index k = 0; k < white.size(); ++k) {
+      const std::complex<double> turn(rate, f[k]);
+      white[k] *= turn * turn / std::norm(turn);
+    }
+    torques.push_back(spectrum.inverse(white));
+  }
+  return torques;
+}
+
+Eigen::VectorXd Fit::whitenTorque(Eigen::Index joint, const Eigen::VectorXd& torque) const {
+  const Spectrum& spectrum = *pieces_.front().spectrum;
+  return spectrum.inverse(spectrum.transform(torque).cwiseProduct(torqueGain_[static_cast<std::size_t>(joint)]));
+}
+
+Eigen::VectorXd Fit::noise() {
+  (void)misfit();
+  const Spectrum& spectrum = *pieces_.front().spectrum;
+  const Eigen::VectorXd isFast = (spectrum.frequencies().array() > kNoiseBegin).cast<double>();
+  Eigen::VectorXd deviation(base_.front().rows());
+  for (Eigen::Index joint = 0; joint < deviation.size(); ++joint)
+    deviation[joint] =
+        std::sqrt(spectrum.mean(spectrum.transform(base_.front().row(joint)).cwiseProduct(isFast).cwiseAbs2()));
+  return deviation;
+}
+
+Eigen::VectorXd Fit::explained() {
+  (void)misfit();
+  const Eigen::Index joints = base_.front().rows();
+  Eigen::VectorXd error = Eigen::VectorXd::Zero(joints), whole = error;
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    const Piece& piece = pieces_[p];
+    const Spectrum& spectrum = *piece.spectrum;
+    const Eigen::VectorXd isSlow = (spectrum.frequencies().array() < kExplained).cast<double>();
+    for (Eigen::Index joint = 0; joint < joints; ++joint) {
+      Eigen::VectorXd command = piece.motion->command.row(joint).segment(piece.first, piece.count);
+      command.array() -= command.mean();
+      const Eigen::VectorXd gain = torquePerReading(spectrum, joint).cwiseProduct(isSlow);
+      error[joint] += spectrum.mean(spectrum.transform(base_[p].row(joint)).cwiseProduct(gain).cwiseAbs2());
+      whole[joint] += spectrum.mean(spectrum.transform(command).cwiseProduct(isSlow).cwiseAbs2());
+    }
+  }
+  return 1.0 - (error.array() / whole.array().max(1e-300));
+}
+
+}  // namespace enamel::identify

@@ -1,0 +1,105 @@
+// The fit of a model to recorded motions. Private to identify.
+//
+// The residual is the recorded reading minus the simulated one (output error). Whittle's likelihood weights it: the
+// power of the residual in each band of frequencies is its variance there. The minus log likelihood is
+//
+//   L = 1/2 sum over joints and frequencies of [log S(f) + |e(f)|^2 / S(f)],  S: power of e in bands.
+//
+// Source: P. Whittle, "The analysis of multiple stationary time series", 1953. Gauss and Newton's step with the
+// damping of Levenberg (1944) and Marquardt (1963) reduces it, with differences of simulations as derivatives.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "identify/simulation.hpp"
+#include "identify/spectrum.hpp"
+
+namespace enamel::identify {
+
+inline constexpr double kNoiseBegin = 100.0;  // Hz
+
+class Fit {
+ public:
+  /// `motions` must outlive the fit. It starts at x = 0.
+  Fit(DeviceModel reference, std::vector<Unknown> unknowns, const std::vector<RecordedMotion>& motions, int threads);
+
+  const std::vector<Unknown>& unknowns() const noexcept { return unknowns_; }
+  /// Return the index of an unknown, or -1.
+  int find(const std::string& key) const noexcept;
+  DeviceModel model() const { return modelAt(reference_, unknowns_, x); }
+  DeviceModel& reference() noexcept { return reference_; }
+
+  /// Use at most `seconds` of the data. Infinite: all.
+  void use(double seconds);
+
+  /// Take at most `steps` steps of Gauss and Newton. `isRelative` weights each band by the power of the reading: for a
+  /// model that is far from the device. `keepsSlopes` reuses the derivatives of the last call.
+  void improve(int steps, bool isRelative, bool keepsSlopes = false);
+
+  /// Return the minus log likelihood L at x, with its prior. Comparable for the same data.
+  double misfit();
+
+  /// Return the covariance of x: A^-1 (B + P) A^-1. A is the information of data and prior, P that of the prior alone,
+  /// and B the sum of products of the scores of blocks of kBlock s. It holds for residuals of any spectrum and changing
+  /// variance (H. White 1980; blocks as W. Newey and K. West 1987). A fixed unknown has zero rows.
+  Eigen::MatrixXd covariance();
+
+  /// Return the share of the variance of the torque that the model explains below 20 Hz, for each joint.
+  Eigen::VectorXd explained();
+
+  /// Return the torque that would explain the residual of the first piece, for each joint, whitened. whitenTorque()
+  /// applies the same filter to another torque. residualReading() is the reading there, one row per joint.
+  std::vector<Eigen::VectorXd> whiteTorque();
+  Eigen::VectorXd whitenTorque(Eigen::Index joint, const Eigen::VectorXd& torque) const;
+  const Eigen::MatrixXd& residualReading() const noexcept { return reading_; }
+  /// Return the period of the ticks, s.
+  double period() const noexcept { return motions_.front().period; }
+
+  /// Return the deviation of each residual above kNoiseBegin, rad or m.
+  Eigen::VectorXd noise();
+
+  /// Forget the simulation at x: reference() was changed.
+  void forget() { baseAt_.resize(0); }
+
+  /// Add unknowns, at their references.
+  void add(const std::vector<Unknown>& unknowns);
+
+  Eigen::VectorXd x;          ///< coordinates of the unknowns
+  std::vector<char> isFixed;  ///< unknowns that improve() does not change
+  int restarts = 0;           ///< of the last simulation at x; above 0: the model left the workspace
+
+ private:
+  struct Piece {
+    const RecordedMotion* motion;
+    Eigen::Index first, count;  // ticks; the first ones are skipped as transient
+    std::unique_ptr<Spectrum> spectrum;
+  };
+  using Residuals = std::vector<Eigen::MatrixXd>;            // per piece, joints x ticks
+  using Powers = std::vector<std::vector<Eigen::VectorXd>>;  // per piece and joint, at each frequency
+
+  Residuals residuals(const Eigen::VectorXd& at, int& left) const;
+  void updateSlopes(const Residuals& base);
+  Powers powers(const Residuals& residuals, bool isRelative) const;
+  double cost(const Residuals& residuals, const Powers& powers) const;
+  double priorCost(const Eigen::VectorXd& at) const;
+  void normalEquations(const Residuals& residuals, const Powers& powers, Eigen::MatrixXd& A, Eigen::VectorXd& b) const;
+  Eigen::VectorXd stepOf(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double damping) const;
+  Eigen::VectorXd torquePerReading(const Spectrum& spectrum, Eigen::Index joint) const;
+  bool isHeld(std::size_t i, const Eigen::VectorXd& b) const;
+
+  DeviceModel reference_;
+  std::vector<Unknown> unknowns_;
+  const std::vector<RecordedMotion>& motions_;
+  int threads_;
+  Observer observer_;
+  Eigen::VectorXd floor_;  // least power of a residual in each joint: a part of the encoder's rounding
+  std::vector<Piece> pieces_;
+  std::vector<std::vector<Eigen::MatrixXf>> slopes_;  // per unknown and piece: d reading / d x
+  Residuals base_;
+  Eigen::MatrixXd reading_;                  // of the first piece
+  std::vector<Eigen::VectorXd> torqueGain_;  // of the filter of whitenTorque(), per joint
+  Eigen::VectorXd baseAt_;                   // x of base_
+};
+
+}  // namespace enamel::identify

@@ -1,0 +1,276 @@
+#include "enamel/identify/identify.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/message.hpp"
+#include "enamel/sim/plant_maker.hpp"
+#include "enamel/study/parallel.hpp"
+#include "identify/cogging.hpp"
+#include "identify/fit.hpp"
+#include "identify/wiring.hpp"
+
+namespace enamel {
+namespace {
+
+using namespace identify;
+
+constexpr double kFirstDelay = 1.5;        // ticks, where the search begins
+constexpr double kCoarseData = 8.0;        // s, for the first steps
+constexpr double kMostData = 40.0;         // s, for the last ones
+constexpr double kCertain = 8.0;           // difference of the log likelihood to the second best delay
+constexpr double kLongestLag = 2e-3;       // s, of slideDelay()
+constexpr double kSlide = 0.15;            // ticks, its steps
+constexpr int kMostSpread = 3;             // ticks, of a random delay
+constexpr double kCoggingEvidence = 30.0;  // gain of the log likelihood that shows cogging
+constexpr double kSeen = 0.3;              // largest deviation of a seen number, of the one before the recording
+constexpr double kNormal = 1.96;           // 95 % of the normal distribution
+
+// A delay and how well it explains the recording.
+struct Candidate {
+  int low, high;
+  double misfit;
+  Eigen::VectorXd x;
+};
+
+Eigen::VectorXd startOf(const Fit& fit, double scale) {
+  Eigen::VectorXd x = fit.x;
+  for (std::size_t i = 0; i < fit.unknowns().size(); ++i)
+    if (fit.unknowns()[i].unit.rfind("kg", 0) == 0) x[static_cast<Eigen::Index>(i)] = -std::log(scale);
+  const Unknown& delay = fit.unknowns()[static_cast<std::size_t>(fit.find("loop delay"))];
+  x[fit.find("loop delay")] = kFirstDelay / delay.scale;
+  return x;
+}
+
+// Fit with a whole delay, from the place where delay and lag are free. Derivatives are those of the last step there.
+Candidate tryDelay(Fit& fit, const Eigen::VectorXd& free, int low, int high) {
+  const int delayAt = fit.find("loop delay"), lagAt = fit.find("motor lag");
+  const Unknown& delay = fit.unknowns()[static_cast<std::size_t>(delayAt)];
+  const Unknown& lag = fit.unknowns()[static_cast<std::size_t>(lagAt)];
+  const double period = fit.period();
+  const double whole = delay.at(free[delayAt]) * period + lag.at(free[lagAt]);  // s
+  fit.x = free;
+  fit.reference().spread = high - low;
+  fit.x[delayAt] = (low - delay.reference) / delay.scale;
+  const double rest = std::max(0.0, whole - 0.5 * (low + high) * period);
+  fit.x[lagAt] = (rest - lag.reference) / lag.scale;
+  fit.isFixed[static_cast<std::size_t>(delayAt)] = 1;
+  fit.forget();
+  fit.improve(4, false, true);
+  return {low, high, fit.misfit(), fit.x};
+}
+
+// Delay and lag have nearly the same effect. Move along their constant sum to the place that fits best.
+void slideDelay(Fit& fit) {
+  const int delayAt = fit.find("loop delay"), lagAt = fit.find("motor lag");
+  const Unknown& delay = fit.unknowns()[static_cast<std::size_t>(delayAt)];
+  const Unknown& lag = fit.unknowns()[static_cast<std::size_t>(lagAt)];
+  const double whole = delay.at(fit.x[delayAt]) + lag.at(fit.x[lagAt]) / fit.period();  // ticks
+  Eigen::VectorXd best = fit.x;
+  double least = fit.misfit();
+  for (double rest = 0.1; rest < std::min(whole, kLongestLag / fit.period()); rest += kSlide) {
+    fit.x[delayAt] = (whole - rest - delay.reference) / delay.scale;
+    fit.x[lagAt] = (rest * fit.period() - lag.reference) / lag.scale;
+    if (const double misfit = fit.misfit(); misfit < least) {
+      least = misfit;
+      best = fit.x;
+    }
+  }
+  fit.x = best;
+}
+
+std::string textOf(const Candidate& c) {
+  return std::to_string(c.low) + (c.high > c.low ? ".." + std::to_string(c.high) : "");
+}
+
+DelayEstimate chooseDelay(Fit& fit) {
+  const Eigen::VectorXd free = fit.x;
+  const int delayAt = fit.find("loop delay");
+  const Unknown& delay = fit.unknowns()[static_cast<std::size_t>(delayAt)];
+  const Unknown& lag = fit.unknowns()[static_cast<std::size_t>(fit.find("motor lag"))];
+  const double value = delay.at(free[delayAt]);
+  const double whole = value + lag.at(free[fit.find("motor lag")]) / fit.period();
+  std::vector<Candidate> all;
+  const int first = std::max(0, static_cast<int>(std::floor(value - 1.0)));
+  for (int low = first; low <= static_cast<int>(std::ceil(whole + 0.3)); ++low)
+    all.push_back(tryDelay(fit, free, low, low));
+  for (int spread = 1; spread <= kMostSpread; ++spread)
+    for (int low = 0; low + 0.5 * spread <= whole + 0.3; ++low)
+      if (low + 0.5 * spread >= value - 0.8) all.push_back(tryDelay(fit, free, low, low + spread));
+  std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.misfit < b.misfit; });
+  fit.reference().spread = all[0].high - all[0].low;
+  fit.x = all[0].x;
+  fit.forget();
+  DelayEstimate result{all[0].low, all[0].high, true, std::numeric_limits<double>::infinity(), ""};
+  if (all.size() > 1) {
+    result.evidence = all[1].misfit - all[0].misfit;
+    result.isCertain = result.evidence > kCertain;
+    result.second = textOf(all[1]);
+  }
+  return result;
+}
+
+void addCogging(Fit& fit) {
+  const CoggingSearch found = findCogging(fit);
+  if (found.evidence < kCoggingEvidence) return;
+  fit.reference().drive.periods = found.periods;
+  const std::vector<Unknown> unknowns = coggingUnknowns(fit.reference(), fit.residualReading());
+  const Eigen::Index first = fit.x.size();
+  fit.add(unknowns);
+  for (Eigen::Index k = 0; k < found.parts.size(); ++k)
+    fit.x[first + k] = found.parts(k / 2, k % 2) / unknowns[static_cast<std::size_t>(k)].scale;
+  const auto ripple = static_cast<std::size_t>(fit.find("imperfections.torque_ripple"));
+  fit.isFixed[ripple] = 1;  // its phase is that of the cogging
+  fit.improve(4, false);
+  fit.isFixed[ripple] = 0;
+  fit.improve(4, false);
+}
+
+Estimate estimateOf(const Unknown& unknown, double x, double deviation, double before) {
+  Estimate estimate{unknown.key, unknown.unit, before, unknown.at(x)};
+  estimate.low = unknown.at(std::max(x - kNormal * deviation, unknown.least()));
+  estimate.high = unknown.at(x + kNormal * deviation);
+  estimate.isInFile = unknown.isInFile;
+  estimate.isSeen = deviation < kSeen * unknown.spread;
+  return estimate;
+}
+
+// Replace the ratios before normalisation by torqueRatios(), with the deviations of linear propagation.
+void addRatios(const Fit& fit, const Eigen::MatrixXd& covariance, std::vector<Estimate>& estimates) {
+  const JointVector value = torqueRatios(fit.model());
+  Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(value.size(), fit.x.size());
+  constexpr double kStep = 1e-4;
+  for (Eigen::Index i = 0; i < fit.x.size(); ++i) {
+    if (fit.unknowns()[static_cast<std::size_t>(i)].key.rfind("torque ratio", 0) != 0) continue;
+    const Eigen::VectorXd moved = fit.x + kStep * Eigen::VectorXd::Unit(fit.x.size(), i);
+    slopes.col(i) = (torqueRatios(modelAt(fit.model(), fit.unknowns(), moved)) - value) / kStep;
+  }
+  const Eigen::VectorXd deviation = (slopes * covariance * slopes.transpose()).diagonal().cwiseSqrt();
+  for (Eigen::Index i = 0; i < value.size(); ++i) {
+    const double d = kNormal * deviation[i];
+    const std::string name = "torque ratio of " + jointName(fit.model().device, static_cast<int>(i));
+    estimates.push_back({name, "", 1.0, value[i], value[i] - d, value[i] + d, false, d < 0.1});
+  }
+}
+
+// Amplitude of cogging in each joint, from its two parts.
+void addCoggingAmplitudes(const Fit& fit, const Eigen::MatrixXd& covariance, std::vector<Estimate>& estimates) {
+  const DeviceModel model = fit.model();
+  for (int i = 0; i < model.sine.size(); ++i) {
+    const std::string key = "cogging of " + jointName(model.device, i);
+    const int at = fit.find(key);
+    if (at < 0) return;
+    const Unknown& part = fit.unknowns()[static_cast<std::size_t>(at)];
+    const double amplitude = std::hypot(model.sine[i], model.cosine[i]);
+    const Eigen::Vector2d slope(model.sine[i] / amplitude, model.cosine[i] / amplitude);
+    const double deviation = part.scale * std::sqrt(slope.dot(covariance.block<2, 2>(at, at) * slope));
+    estimates.push_back({key, part.unit, 0.0, amplitude, std::max(0.0, amplitude - kNormal * deviation),
+                         amplitude + kNormal * deviation, false, deviation < kSeen * part.scale});
+  }
+}
+
+void addEstimates(Fit& fit, const DeviceModel& before, Identification& result) {
+  const Eigen::MatrixXd covariance = fit.covariance();
+  DeviceModel file = before;
+  for (std::size_t i = 0; i < fit.unknowns().size(); ++i) {
+    const Unknown& unknown = fit.unknowns()[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    if (unknown.key == "loop delay" || unknown.key.rfind("torque ratio", 0) == 0 ||
+        unknown.key.rfind("cogging", 0) == 0)
+      continue;
+    result.estimates.push_back(estimateOf(unknown, fit.x[k], std::sqrt(covariance(k, k)), unknown.value(file)));
+  }
+  addRatios(fit, covariance, result.estimates);
+  addCoggingAmplitudes(fit, covariance, result.estimates);
+}
+
+void addStatistics(Fit& fit, const std::vector<RecordedMotion>& motions, Identification& result) {
+  double lost = 0.0, ticks = 0.0;
+  for (const RecordedMotion& motion : motions) {
+    ticks += static_cast<double>(motion.ticks());
+    lost += static_cast<double>(std::count(motion.isSample.begin(), motion.isSample.end(), 0));
+  }
+  result.lostSamples = lost / ticks;
+  result.explained = fit.explained();
+  result.noise = fit.noise();
+}
+
+// The device with the numbers of its drives that a file can have: one for all joints.
+DeviceParameters withDrive(DeviceModel model) {
+  Imperfections e = model.drive;
+  e.coulombFriction = model.coulomb.mean();
+  e.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt().mean();
+  e.currentBandwidth = model.lag > 0.0 ? 1.0 / (2.0 * M_PI * model.lag) : 0.0;
+  if (auto* tau = std::get_if<TauParameters>(&model.device)) tau->imperfections = e;
+  if (auto* delta = std::get_if<DeltaParameters>(&model.device)) delta->imperfections = e;
+  return model.device;
+}
+
+}  // namespace
+
+Identification identifyDevice(const std::vector<RecordedMotion>& motions, const DeviceParameters& device,
+                              const IdentifyOptions& options) {
+  require(!motions.empty(), "the recordings have no motion of " + formatNumber(kShortestMotion) +
+                                " s without a gap and with the enable switch on");
+  for (const RecordedMotion& motion : motions)
+    require(motion.period == motions[0].period, "the recordings have different periods");
+  Identification result;
+  result.device = device;
+  const DeviceModel file = modelOf(device);
+  const Wiring wiring = checkWiring(file, motions);
+  result.problems = wiring.problems;
+  if (!result.isUsable()) return result;
+  Fit fit(file, unknownsOf(file), motions, options.threads > 0 ? options.threads : availableThreads());
+  fit.x = startOf(fit, wiring.scale);
+  fit.use(kCoarseData);
+  fit.improve(3, true);
+  for (int round = 0; round < 3; ++round) {
+    slideDelay(fit);
+    fit.improve(4, false);
+  }
+  addCogging(fit);
+  result.delay = chooseDelay(fit);
+  fit.improve(4, false);
+  fit.use(kMostData);
+  fit.improve(3, false);
+  fit.improve(3, false, true);
+  addEstimates(fit, file, result);
+  addStatistics(fit, motions, result);
+  if (fit.restarts > 0)
+    result.problems.push_back("the fitted device leaves its workspace: the recording and the device file do not fit");
+  result.device = withDrive(fit.model());
+  return result;
+}
+
+std::vector<Estimate> expectedPrecision(const Excitation& excitation, const DeviceParameters& device,
+                                        const IdentifyOptions& options) {
+  const std::shared_ptr<const Mechanism> mechanism = makeMechanism(device);
+  VirtualDeviceSetup setup;
+  setup.period = excitation.period;
+  setup.encoders = {true, RateSource::difference, 100.0};
+  const MakePlant makePlant = plantMaker(plantOf(device), device, {}, setup);
+  VirtualDevice plant(makePlant ? makePlant(0) : std::make_unique<ClosedFormPlant>(*mechanism), setup);
+  std::vector<RecordedTick> ticks;
+  const auto nothing = [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); };
+  const auto each = [&ticks](std::uint64_t number, const Measurement& measurement, const HapticTick&,
+                             const Command& command, Status) {
+    RecordedTick tick;
+    tick.number = number;
+    tick.measurement = measurement;
+    tick.command = command.effort;
+    ticks.push_back(tick);
+  };
+  const GuardReason reason = runExcitation(excitation, *mechanism, plant, nothing, each);
+  require(reason == GuardReason::none, std::string("the guard stops the simulated excitation: ") + toString(reason));
+  const std::vector<RecordedMotion> motions = motionsOf(ticks, excitation.period, mechanism->joints());
+  const DeviceModel model = modelOf(device);
+  Fit fit(model, unknownsOf(model), motions, options.threads > 0 ? options.threads : availableThreads());
+  fit.use(kMostData);
+  Identification result;
+  result.device = device;
+  addEstimates(fit, model, result);
+  return result.estimates;
+}
+
+}  // namespace enamel

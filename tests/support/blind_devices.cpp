@@ -1,0 +1,197 @@
+#include "support/blind_devices.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "enamel/core/error.hpp"
+#include "enamel/sim/random.hpp"
+#include "support/mechanisms.hpp"
+
+namespace enamel::test {
+namespace {
+
+// Draws numbers by name, so that a new one does not change the others.
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : seed_(seed) {}
+  double uniform(double low, double high) { return low + (high - low) * next(); }
+  double factor(double low, double high) { return low * std::pow(high / low, next()); }
+  int integer(int low, int high) { return low + static_cast<int>(next() * (high - low + 1)); }
+  std::uint64_t seed() const noexcept { return seed_; }
+
+ private:
+  double next() { return RandomStream(seed_, 77).uniform(RandomStream::Purpose::test, count_++); }
+
+  std::uint64_t seed_, count_ = 0;
+};
+
+// Torque constants with a mean of 1 in each group of joints.
+JointVector drawRatios(Draw& draw, Eigen::Index n, Eigen::Index group) {
+  JointVector ratio(n);
+  for (double& r : ratio) r = draw.uniform(0.95, 1.05);
+  for (Eigen::Index first = 0; first < n; first += group)
+    ratio.segment(first, group) /= ratio.segment(first, group).mean();
+  return ratio;
+}
+
+JointVector drawAround(Draw& draw, Eigen::Index n, double middle) {
+  JointVector values(n);
+  for (double& v : values) v = middle * draw.uniform(0.7, 1.3);
+  return values;
+}
+
+void drawLoop(Draw& draw, BlindDevice& device, Imperfections& e) {
+  device.delay.low = device.delay.high = draw.integer(0, 4);
+  device.jitter = draw.uniform(0.0, 0.05);
+  device.lost = draw.uniform(0.0, 0.01);
+  e.currentBandwidth = draw.factor(250.0, 1500.0);
+  device.value["motor lag"] = 1.0 / (2.0 * M_PI * e.currentBandwidth);
+}
+
+void name(BlindDevice& device) {
+  const Eigen::Index n = device.built.offset.size();
+  const bool isCartesian = std::holds_alternative<CartesianParameters>(device.file);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::string joint = !isCartesian ? "joint " + std::to_string(i + 1)
+                                           : std::string(i < 3 ? "axis " : "rotation about ") + "xyz"[i % 3];
+    device.value["Coulomb friction of " + joint] = device.built.coulombFriction[i];
+    device.value["torque ratio of " + joint] = device.built.torqueConstant[i];
+    device.value["cogging of " + joint] = device.built.cogging[i];
+  }
+  device.value["imperfections.torque_ripple"] = device.built.imperfections.torqueRipple;
+  device.value["imperfections.periods"] = device.built.imperfections.periods;
+}
+
+BlindDevice makeCartesian3(Draw& draw) {
+  CartesianParameters file = loadCartesian(deviceFile("cartesian-3.toml")), truth = file;
+  truth.mass = draw.factor(0.03, 0.15);
+  file.mass = truth.mass * draw.factor(0.5, 2.0);
+  for (int i = 0; i < 3; ++i) {
+    truth.damping[i] = draw.uniform(0.02, 0.4);
+    truth.gravity[i] = draw.uniform(-0.3, 0.3);
+  }
+  truth.halfWidths *= 2.0;  // a device has no walls; the file has the range that its owner uses
+  BlindDevice device;
+  Imperfections e;
+  drawLoop(draw, device, e);
+  e.torqueStep = 0.002;
+  e.torqueRipple = draw.uniform(0.0, 0.01);
+  e.periods = 2.0 * M_PI / draw.factor(0.004, 0.03);
+  device.built.imperfections = e;
+  device.built.mechanism = makeMechanism(truth);
+  device.built.offset = JointVector::Zero(3);
+  device.built.torqueConstant = drawRatios(draw, 3, 3);
+  device.built.coulombFriction = drawAround(draw, 3, draw.factor(0.03, 0.15));
+  device.built.cogging = drawAround(draw, 3, draw.factor(0.005, 0.04));
+  device.built.coggingPhase = JointVector::Zero(3);
+  for (double& phase : device.built.coggingPhase) phase = draw.uniform(0.0, 2.0 * M_PI);
+  device.value["platform.mass"] = truth.mass;
+  for (int i = 0; i < 3; ++i) {
+    device.value["platform.damping[" + std::to_string(i) + "]"] = truth.damping[i];
+    device.value["gravity[" + std::to_string(i) + "]"] = truth.gravity[i];
+  }
+  device.file = file;
+  device.truth = truth;
+  return device;
+}
+
+BlindDevice makeDelta(Draw& draw) {
+  DeltaParameters file = loadDelta(deviceFile("delta.toml")), truth = file;
+  for (double* mass : {&truth.platform.mass, &truth.bar.mass, &truth.upperLink.inertia, &truth.motor.rotorInertia})
+    *mass *= draw.factor(0.6, 1.6);
+  truth.upperLink.com *= draw.uniform(0.6, 1.4);
+  truth.motor.viscousFriction *= draw.uniform(0.0, 2.0);
+  Imperfections& e = truth.imperfections;
+  BlindDevice device;
+  drawLoop(draw, device, e);
+  e.torqueRipple = draw.uniform(0.0, 0.01);
+  e.periods = draw.factor(40.0, 150.0);
+  e.cableStiffness = draw.factor(50.0, 400.0);
+  e.cableDamping = e.cableStiffness * draw.factor(5e-5, 2e-4);
+  const double length = file.imperfections.lengthError, offset = file.imperfections.encoderOffset;
+  DeltaGeometry& g = truth.geometry;
+  for (double* const l : {&g.a, &g.b, &g.c, &g.d, &g.e, &g.f, &g.r, &g.s}) *l *= 1.0 + draw.uniform(-length, length);
+  e.massError = e.lengthError = e.encoderOffset = 0.0;
+  device.built = makeImperfectDevice(truth, draw.seed());
+  const JointVector expected = makeMechanism(file)->home().q - makeMechanism(truth)->home().q;  // set at home
+  device.built.offset += expected;
+  for (int i = 0; i < 3; ++i) {
+    const double error = draw.uniform(-offset, offset);
+    device.built.offset[i] += error;
+    device.value["encoder offset of joint " + std::to_string(i + 1)] = error;
+  }
+  device.built.torqueConstant = drawRatios(draw, 3, 3);
+  device.built.coulombFriction = drawAround(draw, 3, draw.factor(0.002, 0.008));
+  device.built.cogging = drawAround(draw, 3, draw.factor(5e-4, 2e-3));
+  device.built.coggingPhase = JointVector::Zero(3);
+  for (double& phase : device.built.coggingPhase) phase = draw.uniform(0.0, 2.0 * M_PI);
+  device.value["platform.mass"] = truth.platform.mass;
+  device.value["bar.mass"] = truth.bar.mass;
+  device.value["upper_link.inertia"] = truth.upperLink.inertia;
+  device.value["upper_link.com"] = truth.upperLink.com;
+  device.value["motor.rotor_inertia"] = device.built.rotorInertia;
+  device.value["motor.viscous_friction"] = truth.motor.viscousFriction;
+  device.value["imperfections.cable_stiffness"] = e.cableStiffness;
+  device.value["imperfections.cable_damping"] = e.cableDamping;
+  device.file = file;
+  device.truth = truth;
+  return device;
+}
+
+}  // namespace
+
+BlindDevice makeBlindDevice(BlindKind kind, std::uint64_t seed) {
+  Draw draw(seed);
+  BlindDevice device = kind == BlindKind::cartesian3 ? makeCartesian3(draw) : makeDelta(draw);
+  name(device);
+  return device;
+}
+
+namespace {
+
+std::vector<RecordedTick> record(const BlindDevice& device, const Mechanism& mechanism, const Excitation& excitation,
+                                 std::uint64_t seed, const ExternalWrench& load) {
+  VirtualDeviceSetup setup;
+  setup.encoders = {true, RateSource::difference, 100.0};
+  setup.delay = device.delay;
+  setup.jitter = device.jitter;
+  setup.lostSamples = device.lost;
+  setup.seed = seed;
+  VirtualDevice plant(std::make_unique<ImperfectPlant>(device.built), setup);
+  std::vector<RecordedTick> ticks;
+  const auto each = [&](std::uint64_t number, const Measurement& measurement, const HapticTick& haptics,
+                        const Command& command, Status status) {
+    RecordedTick tick;
+    tick.number = number;
+    tick.measurement = measurement;
+    tick.measurement.applied.reset();  // a device that does not report the torque
+    tick.command = command.effort;
+    tick.status = status;
+    tick.reason = haptics.frame().reason;
+    ticks.push_back(tick);
+  };
+  const GuardReason reason = runExcitation(excitation, mechanism, plant, load, each);
+  if (reason != GuardReason::none) throw Error(toString(reason));
+  return ticks;
+}
+
+}  // namespace
+
+std::vector<RecordedTick> recordBlind(const BlindDevice& device, double duration, std::uint64_t seed,
+                                      const ExternalWrench* load) {
+  const std::shared_ptr<const Mechanism> mechanism = makeMechanism(device.file);
+  const auto nothing = [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); };
+  const ExternalWrench free(nothing);
+  ExcitationOptions options;
+  options.duration = duration;
+  options.seed = seed;
+  for (;; options.share *= 0.6, options.speed *= 0.6) {  // as the page says
+    try {
+      return record(device, *mechanism, designExcitation(*mechanism, options), seed, load != nullptr ? *load : free);
+    } catch (const Error&) {
+      if (options.share < 0.1) throw;
+    }
+  }
+}
+
+}  // namespace enamel::test

@@ -1,0 +1,220 @@
+// Identification: its parts compared with properties and the imperfect plant, and blind tests of the whole.
+#include "enamel/identify/identify.hpp"
+
+#include <cmath>
+
+#include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
+#include "enamel/identify/device_text.hpp"
+#include "identify/fit.hpp"
+#include "identify/wiring.hpp"
+#include "support/blind_devices.hpp"
+#include "support/catch.hpp"
+#include "support/mechanisms.hpp"
+#include "support/run_length.hpp"
+
+namespace enamel::test_identify {
+
+namespace {
+
+const auto nothing = [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); };
+
+RecordedTick tickAt(std::uint64_t number, double q, int age = 0) {
+  RecordedTick tick;
+  tick.number = number;
+  tick.measurement.time = 1e-3 * static_cast<double>(number);
+  tick.measurement.q = JointVector::Constant(3, q);
+  tick.measurement.age = age;
+  tick.command = JointVector::Zero(3);
+  return tick;
+}
+
+const Estimate& find(const Identification& result, const std::string& key) {
+  for (const Estimate& e : result.estimates)
+    if (e.key == key) return e;
+  FAIL("no estimate of " << key);
+  return result.estimates.front();
+}
+
+// The recording of a blind device of 3 axes with its commands changed.
+template <typename Change>
+Identification identifyChanged(const test::BlindDevice& device, const Change& change) {
+  std::vector<RecordedTick> ticks = test::recordBlind(device, 8.0, 3);
+  for (RecordedTick& tick : ticks) change(tick);
+  return identifyDevice(motionsOf(ticks, 1e-3, 3), device.file);
+}
+
+}  // namespace
+
+TEST_CASE("motions end at missing ticks, and a lost sample is interpolated", "[identify]") {
+  std::vector<RecordedTick> ticks;
+  for (std::uint64_t i = 0; i < 3000; ++i) ticks.push_back(tickAt(i, 1e-3 * static_cast<double>(i)));
+  ticks[1000] = tickAt(1000, 99.0, 1);
+  for (std::uint64_t i = 3005; i < 6000; ++i) ticks.push_back(tickAt(i, 0.0));
+  for (std::uint64_t i = 6000; i < 6500; ++i) ticks.push_back(tickAt(i + 100, 0.0));  // too short
+  const auto motions = motionsOf(ticks, 1e-3, 3);
+  REQUIRE(motions.size() == 2);
+  CHECK(motions[0].ticks() == 3000);
+  CHECK(motions[1].ticks() == 2995);
+  CHECK(motions[0].isSample[1000] == 0);
+  CHECK(motions[0].reading(2, 1000) == Approx(1.0).margin(1e-12));  // rounding
+  CHECK_THROWS_AS(motionsOf(ticks, 1e-3, 6), Error);
+}
+
+TEST_CASE("a spectrum has the power of its signal, and whitening leaves unit power", "[identify]") {
+  test::Random random(5);
+  Eigen::VectorXd noise(4000);
+  for (double& v : noise) v = random.uniform(-1.0, 1.0);  // variance 1/3
+  const identify::Spectrum spectrum(noise.size(), 1e-3, 2.0);
+  const Eigen::VectorXcd transformed = spectrum.transform(noise);
+  CHECK(spectrum.mean(transformed.cwiseAbs2()) == Approx(1.0 / 3.0).epsilon(0.06));  // 3 deviations of 4000 samples
+  const Eigen::VectorXd power = spectrum.spread(spectrum.bands(transformed));
+  CHECK(spectrum.mean(transformed.cwiseAbs2().cwiseQuotient(power)) == Approx(1.0).epsilon(1e-3));
+  const Eigen::VectorXd back = spectrum.inverse(transformed);
+  CHECK((back - noise).segment(300, 3400).norm() < 1e-12 * noise.norm());  // the window is 1 there; rounding
+}
+
+TEST_CASE("inverse dynamics invert the forward dynamics of every device", "[identify]") {
+  test::Random random(7);
+  for (const test::Shipped& shipped : test::shippedDevices()) {
+    INFO(shipped.file);
+    const auto mechanism = shipped.mechanism();
+    const Pose pose = shipped.pose(random);
+    const Vec6 twist = shipped.twist(random);
+    Kinematics k;
+    REQUIRE(mechanism->reach(pose, twist, false, k) == Status::ok);
+    JointVector torque = mechanism->limits().effort;
+    for (double& t : torque) t *= random.uniform(-0.5, 0.5);
+    Vec6 acceleration;
+    REQUIRE(mechanism->accelerate(pose, twist, torque, Vec6::Zero(), acceleration) == Status::ok);
+    constexpr double kAhead = 1e-4;  // s
+    Kinematics before, after;
+    REQUIRE(mechanism->track(k.q - kAhead * k.rates, k.rates, false, before = k) == Status::ok);
+    REQUIRE(mechanism->track(k.q + kAhead * k.rates, k.rates, false, after = k) == Status::ok);
+    const Vec6 turning = (after.jacobian - before.jacobian) * k.rates / (2.0 * kAhead);
+    const JointVector joints = k.inverseTransposed.transpose() * (acceleration - turning);
+    Kinematics start = k;
+    const auto needed = identify::inverseDynamics(*mechanism, k.q, k.rates, joints, start);
+    REQUIRE(needed);
+    CHECK((*needed - torque).norm() < 1e-3 * mechanism->limits().effort.norm());  // one-sided difference of J
+  }
+}
+
+TEST_CASE("the simulation of a fit moves as the imperfect plant", "[identify]") {
+  for (const auto kind : {test::BlindKind::cartesian3, test::BlindKind::delta}) {
+    test::BlindDevice device = test::makeBlindDevice(kind, 4);
+    device.lost = device.jitter = 0.0;
+    const std::vector<RecordedTick> ticks = test::recordBlind(device, 5.0, 2);
+    RecordedMotion motion = motionsOf(ticks, 1e-3, 3)[0];
+    identify::DeviceModel model = identify::modelOf(device.truth);
+    model.home = makeMechanism(device.file)->home().q;
+    model.delay = device.delay.low;
+    model.lag = device.value.at("motor lag");
+    model.ratio = device.built.torqueConstant;
+    model.coulomb = device.built.coulombFriction;
+    model.drive = device.built.imperfections;
+    for (int i = 0; i < 3; ++i) {
+      model.sine[i] = device.built.cogging[i] * std::cos(device.built.coggingPhase[i]);
+      model.cosine[i] = device.built.cogging[i] * std::sin(device.built.coggingPhase[i]);
+      if (kind == test::BlindKind::delta)
+        model.offset[i] = device.value.at("encoder offset of joint " + std::to_string(i + 1));
+    }
+    const auto simulated = identify::simulate(model, motion, identify::observerFor(model, 1e-3), 0, motion.ticks());
+    CHECK(simulated.restarts == 0);
+    const JointVector step = device.built.mechanism->limits().encoderStep;
+    for (int i = 0; i < 3; ++i) {
+      const auto error = (simulated.reading - motion.reading).row(i).tail(4500);
+      // Rounding has a deviation of 0.29 steps.
+      CHECK(std::sqrt(error.squaredNorm() / 4500.0) < 0.35 * step[i]);
+    }
+  }
+}
+
+TEST_CASE("an excitation survives its file, begins smoothly and stays inside its box", "[identify]") {
+  for (const char* file : {"cartesian-3.toml", "delta.toml", "cartesian-6.toml", "tau-nominal.toml"}) {
+    INFO(file);
+    const auto mechanism = makeMechanism(loadDevice(test::deviceFile(file)));
+    ExcitationOptions options;
+    options.duration = 6.0;
+    const Excitation excitation = designExcitation(*mechanism, options);
+    const std::string text = textOf(excitation);
+    CHECK(textOf(parseExcitation(text, "plan")) == text);
+    CHECK(wrenchAt(excitation, 0.001, Pose{}, Vec6::Zero()).norm() < 1e-3 * excitation.force);
+    CHECK(wrenchAt(excitation, 6.001, Pose{}, Vec6::Zero()).norm() == 0.0);
+    VirtualDeviceSetup setup;
+    setup.encoders = {true, RateSource::difference, 100.0};
+    VirtualDevice device(*mechanism, setup);
+    double largest = 0.0;
+    const auto each = [&](std::uint64_t, const Measurement&, const HapticTick& haptics, const Command&, Status) {
+      const Vec3 p = haptics.frame().kinematics.pose.position;
+      largest = std::max(largest, p.cwiseAbs().cwiseQuotient(excitation.workspace).maxCoeff());
+    };
+    CHECK(runExcitation(excitation, *mechanism, device, nothing, each) == GuardReason::none);
+    CHECK(largest < 1.0);
+    CHECK(largest > 0.1);
+  }
+  CHECK_THROWS_AS(parseExcitation("duration = 1\n", "plan"), ConfigurationError);
+}
+
+TEST_CASE("a value of a device file is replaced, and its comment stays", "[identify]") {
+  const std::string text = "name = \"x\"  # [a]\n[platform]\nmass = 0.1   # kg\n\n[motor]\nmass = 2\n";
+  CHECK(withValue(text, "platform.mass", "0.25") ==
+        "name = \"x\"  # [a]\n[platform]\nmass = 0.25  # kg\n\n[motor]\nmass = 2\n");
+  CHECK(withValue(text, "motor.lag", "1").find("[motor]\nlag = 1\nmass = 2\n") != std::string::npos);
+  CHECK(withValue(text, "other.key", "1").find("\n[other]\nkey = 1\n") != std::string::npos);
+  CHECK(withValue(text, "name", "\"y\"").find("name = \"y\"  # [a]\n") == 0);
+  CHECK_THROWS_AS(withValue("[a]\nb = [\n1]\n", "a.b", "1"), Error);
+}
+
+TEST_CASE("a blind Cartesian device: delay, mass and friction", "[identify]") {
+  const int devices = test::count(1, 100);
+  const double duration = test::longRun() ? 30.0 : 8.0;
+  int intervals = 0, covered = 0;
+  for (int i = 0; i < devices; ++i) {
+    const test::BlindDevice device =
+        test::makeBlindDevice(test::BlindKind::cartesian3, test::seed() + static_cast<std::uint64_t>(i));
+    const Identification result =
+        identifyDevice(motionsOf(test::recordBlind(device, duration, test::seed() + 1), 1e-3, 3), device.file);
+    INFO(tableOf(result));
+    REQUIRE(result.isUsable());
+    CHECK(result.delay.low == device.delay.low);
+    CHECK(result.delay.high == device.delay.low);
+    CHECK(find(result, "platform.mass").value == Approx(device.value.at("platform.mass")).epsilon(0.03));
+    for (const char* axis : {"x", "y", "z"}) {
+      const std::string key = std::string("Coulomb friction of axis ") + axis;
+      CHECK(find(result, key).value == Approx(device.value.at(key)).epsilon(0.15));
+    }
+    CHECK(result.explained.minCoeff() > 0.97);
+    const auto* written = std::get_if<CartesianParameters>(&result.device);
+    REQUIRE(written != nullptr);
+    const std::string text = identifiedText(readFile(test::deviceFile("cartesian-3.toml")), result);
+    CHECK(std::get<CartesianParameters>(parseDevice(text, "identified")).mass == Approx(written->mass).epsilon(1e-5));
+    for (const Estimate& e : result.estimates) {
+      const auto truth = device.value.find(e.key);
+      if (truth == device.value.end()) continue;
+      ++intervals;
+      if (truth->second >= e.low && truth->second <= e.high) ++covered;
+    }
+  }
+  // 95 % are expected. One device has few independent intervals.
+  CHECK(covered >= (devices > 1 ? 0.9 : 0.75) * intervals);
+}
+
+TEST_CASE("wrong wiring and wrong units get a diagnosis in words", "[identify]") {
+  const test::BlindDevice device = test::makeBlindDevice(test::BlindKind::cartesian3, 2);
+  const auto problemOf = [&](const auto& change) {
+    const Identification result = identifyChanged(device, change);
+    REQUIRE_FALSE(result.isUsable());
+    CHECK_THROWS_AS(identifiedText("", result), Error);
+    return result.problems[0];
+  };
+  CHECK(problemOf([](RecordedTick& t) { t.command[1] *= -1.0; }).find("axis y follows minus the command of axis y") !=
+        std::string::npos);
+  CHECK(problemOf([](RecordedTick& t) {
+          std::swap(t.command[0], t.command[2]);
+        }).find("axis x follows the command of axis z; axis z follows the command of axis x") != std::string::npos);
+  CHECK(problemOf([](RecordedTick& t) { t.measurement.q *= 1000.0; }).find("check units") != std::string::npos);
+  CHECK(problemOf([](RecordedTick& t) { t.command *= 1000.0; }).find("check the units") != std::string::npos);
+}
+
+}  // namespace enamel::test_identify
