@@ -145,7 +145,8 @@ struct TwoBurs {
   std::unique_ptr<VirtualDevice> a, b;
 };
 
-// A thread that adds, removes, moves, replaces and edits obstacles of a session at random, every half millisecond.
+// A thread that adds, removes, moves, replaces and edits at most 12 obstacles of a session at random, every half
+// millisecond. In the end it removes them.
 class RandomChanges {
  public:
   RandomChanges(Session& session, std::uint64_t seed, std::chrono::duration<double> length)
@@ -178,11 +179,13 @@ class RandomChanges {
       }
       std::this_thread::sleep_for(std::chrono::microseconds(500));
     }
+    session_.remove(deforms_);
+    for (const ObstacleId& id : mine_) session_.remove(id);
   }
   void change(int i) {
     const double what = random_.uniform(0.0, 7.0);
     const Vec3 place = Vec3(0.02, 0.0, 0.0) + random_.vector(0.01);
-    if (mine_.size() < 4 || what < 1.0) {
+    if (mine_.size() < 4 || (what < 1.0 && mine_.size() < 12)) {
       SessionObstacle obstacle = ball(std::to_string(seed_) + " " + std::to_string(i), place, 2e-3);
       if (what < 0.5) obstacle.mesh = std::make_shared<MeshModel>(boxMesh(Vec3::Constant(1e-3)));
       mine_.push_back(session_.add(obstacle));
@@ -235,39 +238,36 @@ class PressingHand {
 
 // Result of watch().
 struct Watched {
-  int lateStops = 0;         // stops of the guard after periods without a tick or a sample: the machine was busy
-  std::string otherReasons;  // of stops without such periods
-  double pressed = 0.0;      // share of the snapshots with a rendered contact
+  int lateStops = 0;          // stops of the guard after periods without a tick or a sample: the machine was busy
+  std::string otherReasons;   // of stops without such periods
+  int snapshots = 0;          // taken
+  int pressed = 0;            // snapshots with a rendered contact
+  std::uint64_t periods = 0;  // without a tick or a sample, until the last reset
 };
 
 // Watch a running session. After each stop of the guard the hand lifts the tool off the wall and resets the guard. A
 // late tick holds a torque too long, so that the guard may stop for energy or speed too.
-inline Watched watch(Session& session, PressingHand& hand, std::chrono::duration<double> length) {
-  Watched watched;
-  double snapshots = 0.0, pressed = 0.0;
-  std::uint64_t before = 0;  // periods without a tick or a sample, at the last reset
+inline void watch(Session& session, PressingHand& hand, std::chrono::duration<double> length, Watched& watched) {
   const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(5)); };
   const auto end = std::chrono::steady_clock::now() + length;
   do {
     pause();
-    ++snapshots;
+    ++watched.snapshots;
     const std::vector<SessionEvent> stops = eventsOf(session, EventKind::guardStop);
     Snapshot now = session.snapshot();
-    pressed += now.fault == GuardReason::none && now.tick.mode != RenderMode::free;
+    watched.pressed += now.fault == GuardReason::none && now.tick.mode != RenderMode::free;
     for (const SessionEvent& stop : stops) {
-      if (now.missed + now.held > before)
+      if (now.missed + now.held > watched.periods)
         ++watched.lateStops;
       else
         watched.otherReasons += std::string(toString(stop.reason)) + " at " + std::to_string(stop.time) + " s; ";
       hand.lift(true);
       for (; now.tick.pose.position.z() <= 0.0; now = session.snapshot()) pause();
       session.reset();
-      before = now.missed + now.held;
+      watched.periods = now.missed + now.held;
       hand.lift(false);
     }
   } while (std::chrono::steady_clock::now() < end);
-  watched.pressed = pressed / snapshots;
-  return watched;
 }
 
 inline std::shared_ptr<const Solid> cutSolidOf(const Session& session) {

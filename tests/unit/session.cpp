@@ -475,7 +475,8 @@ TEST_CASE("a loop in its own thread, changed by two others at random", "[session
   CHECK_THROWS_WITH(session.start(makeVirtualDevice(session)), ContainsSubstring("already running"));
   const std::chrono::duration<double> length(test::longRun() ? 600.0 : 0.2);
   test::RandomChanges one(session, 1, length), two(session, 2, length);
-  const test::Watched watched = test::watch(session, hand, length);
+  test::Watched watched;
+  test::watch(session, hand, length, watched);
   const auto [changes, failures] = one.finish();
   const auto [others, failed] = two.finish();
   CHECK(failures == 0);
@@ -483,7 +484,7 @@ TEST_CASE("a loop in its own thread, changed by two others at random", "[session
   CHECK(watched.otherReasons == "");
   if (test::longRun())
     std::cout << "changes of two threads: " << changes << ", " << others << "; the guard stopped " << watched.lateStops
-              << " times; pressed " << watched.pressed << " of the time\n";
+              << " times; pressed in " << watched.pressed << " of " << watched.snapshots << " snapshots\n";
   const Snapshot now = session.snapshot();
   session.stop();
   CHECK_FALSE(session.isRunning());
