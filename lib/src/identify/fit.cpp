@@ -6,6 +6,7 @@
 #include <complex>
 #include <limits>
 
+#include "enamel/core/error.hpp"
 #include "enamel/study/parallel.hpp"
 
 namespace enamel::identify {
@@ -70,17 +71,22 @@ void Fit::use(double seconds) {
   }
 }
 
+// Empty if no device has these numbers, for example a tensor that breaks the triangle inequality.
 Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, int& left) const {
   const DeviceModel model = modelAt(reference_, unknowns_, at);
   Residuals all;
   left = 0;
-  for (const Piece& piece : pieces_) {
-    const Simulated simulated = simulate(model, *piece.motion, observer_, 0, piece.first + piece.count);
-    left += simulated.restarts;
-    Eigen::MatrixXd rows =
-        piece.motion->reading.middleCols(piece.first, piece.count) - simulated.reading.rightCols(piece.count);
-    interpolate(*piece.motion, piece.first, rows);
-    all.push_back(std::move(rows));
+  try {
+    for (const Piece& piece : pieces_) {
+      const Simulated simulated = simulate(model, *piece.motion, observer_, 0, piece.first + piece.count);
+      left += simulated.restarts;
+      Eigen::MatrixXd rows =
+          piece.motion->reading.middleCols(piece.first, piece.count) - simulated.reading.rightCols(piece.count);
+      interpolate(*piece.motion, piece.first, rows);
+      all.push_back(std::move(rows));
+    }
+  } catch (const ConfigurationError&) {
+    return {};
   }
   return all;
 }
@@ -89,11 +95,15 @@ void Fit::updateSlopes(const Residuals& base) {
   slopes_.assign(unknowns_.size(), {});
   parallelFor(unknowns_.size(), threads_, [&](std::size_t i) {
     if (isFixed[i] != 0) return;
-    Eigen::VectorXd moved = x;
-    moved[static_cast<Eigen::Index>(i)] += kStep;
-    int left;
-    const Residuals other = residuals(moved, left);
-    for (std::size_t p = 0; p < base.size(); ++p) slopes_[i].push_back(((base[p] - other[p]) / kStep).cast<float>());
+    for (const double step : {kStep, -kStep}) {  // backward at the limit of possible devices
+      Eigen::VectorXd moved = x;
+      moved[static_cast<Eigen::Index>(i)] += step;
+      int left;
+      const Residuals other = residuals(moved, left);
+      for (std::size_t p = 0; p < other.size(); ++p) slopes_[i].push_back(((base[p] - other[p]) / step).cast<float>());
+      if (!other.empty()) return;
+    }
+    throw Error("the numbers of \"" + nameOf(reference_.device) + "\" are at the limit of possible devices");
   });
 }
 
@@ -251,21 +261,11 @@ void Fit::improve(int steps, bool isRelative, bool keepsSlopes) {
       const Eigen::VectorXd next = x + step;
       int left = 0;
       Residuals there = residuals(next, left);
-      isBetter = cost(there, power) + priorCost(next) < before;
-      if (getenv("IDV"))
-        fprintf(stderr, "  damping %g predicted %.1f actual %.1f\n", damping, (b.dot(step) - 0.5 * step.dot(A * step)),
-                before - cost(there, power) - priorCost(next));
+      isBetter = !there.empty() && cost(there, power) + priorCost(next) < before;
       if (!isBetter) continue;
       x = baseAt_ = next;
       base_ = std::move(there);
       restarts = left;
-    }
-    if (getenv("IDV")) {
-      fprintf(stderr, "step %d better %d cost %.1f -> misfit %.1f\n", taken, isBetter, before, misfit());
-      if (getenv("IDV")[0] == '2')
-        for (std::size_t i = 0; i < unknowns_.size(); ++i)
-          fprintf(stderr, "   %s %g (step %g dev %g)\n", unknowns_[i].key.c_str(), unknowns_[i].at(x[i]), step[i],
-                  1 / std::sqrt(A(i, i)));
     }
     if (!isBetter || step.dot(b - 0.5 * A * step) < kConverged) return;
   }

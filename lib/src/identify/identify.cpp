@@ -202,7 +202,10 @@ DeviceParameters withDrive(DeviceModel model) {
   e.coulombFriction = model.coulomb.mean();
   e.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt().mean();
   e.currentBandwidth = model.lag > 0.0 ? 1.0 / (2.0 * M_PI * model.lag) : 0.0;
-  if (auto* tau = std::get_if<TauParameters>(&model.device)) tau->imperfections = e;
+  if (auto* tau = std::get_if<TauParameters>(&model.device)) {
+    tau->imperfections = e;
+    scaleLinks(model.links, *tau);
+  }
   if (auto* delta = std::get_if<DeltaParameters>(&model.device)) delta->imperfections = e;
   return model.device;
 }
