@@ -238,6 +238,34 @@ BlindDevice makeBlindDevice(BlindKind kind, std::uint64_t seed) {
 
 namespace {
 
+// An imperfect plant whose first motor gives less than its command asks for.
+class SaturatingPlant final : public Plant {
+ public:
+  SaturatingPlant(const ImperfectDevice& device, double most) : Plant(*device.mechanism), plant_(device), most_(most) {}
+
+  std::unique_ptr<Plant> clone() const override { return std::make_unique<SaturatingPlant>(*this); }
+  Status start(const Pose& pose) override {
+    const Status status = plant_.start(pose);
+    state_ = plant_.state();
+    return status;
+  }
+  Status advance(double time, double duration, const JointVector& torque,
+                 const ExternalWrench& load) noexcept override {
+    JointVector limited = torque;
+    limited[0] = std::clamp(limited[0], -most_, most_);
+    const Status status = plant_.advance(time, duration, limited, load);
+    state_ = plant_.state();
+    return status;
+  }
+  void read(const Kinematics& truth, JointVector& q, JointVector& rates) const noexcept override {
+    plant_.read(truth, q, rates);
+  }
+
+ private:
+  ImperfectPlant plant_;
+  double most_;
+};
+
 std::vector<RecordedTick> record(const BlindDevice& device, const Mechanism& mechanism, const Excitation& excitation,
                                  std::uint64_t seed, const ExternalWrench& load) {
   VirtualDeviceSetup setup;
@@ -246,7 +274,7 @@ std::vector<RecordedTick> record(const BlindDevice& device, const Mechanism& mec
   setup.jitter = device.jitter;
   setup.lostSamples = device.lost;
   setup.seed = seed;
-  VirtualDevice plant(std::make_unique<ImperfectPlant>(device.built), setup);
+  VirtualDevice plant(std::make_unique<SaturatingPlant>(device.built, device.saturation), setup);
   std::vector<RecordedTick> ticks;
   const auto each = [&](std::uint64_t number, const Measurement& measurement, const HapticTick& haptics,
                         const Command& command, Status status) {
