@@ -238,7 +238,7 @@ BlindDevice makeBlindDevice(BlindKind kind, std::uint64_t seed) {
 
 namespace {
 
-// An imperfect plant whose first motor gives less than its command asks for.
+// An imperfect plant whose first motor gives less than its commands.
 class SaturatingPlant final : public Plant {
  public:
   SaturatingPlant(const ImperfectDevice& device, double most) : Plant(*device.mechanism), plant_(device), most_(most) {}
