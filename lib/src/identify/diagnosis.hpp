@@ -8,7 +8,7 @@
 
 namespace enamel::identify {
 
-/// Return faults in words: motors that give less torque than the largest commands ask for. `delay` is that of the
+/// Return faults in words: motors that give less torque than the largest commands demand. `delay` is that of the
 /// commands, ticks.
 std::vector<std::string> diagnose(Fit& fit, int delay);
 
