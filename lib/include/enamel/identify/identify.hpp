@@ -38,9 +38,11 @@ struct Identification {
   DeviceParameters device;  ///< with the estimates that are keys of the file and are seen
   std::vector<Estimate> estimates;
   DelayEstimate delay;
-  double lostSamples = 0.0;           ///< share of the ticks without a sample
-  Eigen::VectorXd noise;              ///< of each reading, standard deviation above 100 Hz, rad or m
-  Eigen::VectorXd explained;          ///< share of the variance of each torque that the result explains
+  double lostSamples = 0.0;  ///< share of the ticks without a sample
+  Eigen::VectorXd noise;     ///< of each reading, standard deviation above 100 Hz, rad or m
+  /// Share of the variance of each torque below 20 Hz that the result explains, in the last fifth of the data or more.
+  /// The fit does not use that part.
+  Eigen::VectorXd explained;
   std::vector<std::string> problems;  ///< in words; if there are any, `device` is not an estimate
 
   bool isUsable() const noexcept { return problems.empty(); }
