@@ -17,6 +17,8 @@
 #include "enamel/identify/device_text.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/runtime/recorder.hpp"
+#include "enamel/study/parallel.hpp"
+#include "identify_report.hpp"
 #include "plant_option.hpp"
 #include "program/interrupt.hpp"
 #include "program/outputs.hpp"
@@ -27,7 +29,7 @@ namespace {
 
 struct IdentifyOptionsOfCommand {
   std::vector<std::string> recordings;
-  std::string device, output, plan, record, truth, plant, delay = "none", connect, key;
+  std::string device, output, plan, record, truth, plant, delay = "none", connect, key, report;
   bool makesPlan = false, overwrite = false;
   ExcitationOptions excitation;
   double rate_Hz = 1000.0;
@@ -146,6 +148,15 @@ void estimate(const IdentifyOptionsOfCommand& options) {
   for (const std::string& file : options.recordings)
     for (RecordedMotion& motion : loadMotions(file, joints)) motions.push_back(std::move(motion));
   const Identification result = identifyDevice(motions, device);
+  if (!options.report.empty()) {
+    std::vector<std::string> files = options.recordings;
+    files.insert(files.begin(), options.device);
+    std::vector<WallExpectation> expected;
+    if (result.isUsable())
+      expected = expectWall(result.device, motions.front().period, std::max(2, result.delay.high), availableThreads());
+    writeFile(options.report, identificationReport(result, files, expected));
+    fmt::print("report: {}\n", options.report);
+  }
   if (!result.isUsable()) {
     std::string problems;
     for (const std::string& problem : result.problems) problems += (problems.empty() ? "" : "; ") + problem;
@@ -164,6 +175,7 @@ void run(const IdentifyOptionsOfCommand& options) {
   const int devices = (options.truth.empty() ? 0 : 1) + (options.connect.empty() ? 0 : 1);
   if (devices != (options.plan.empty() ? 0 : 1)) throw Error("--run needs either --virtual or --connect");
   if (options.plan.empty() == !options.record.empty()) throw Error("--record is for --run, which needs it");
+  if (!options.report.empty() && options.recordings.empty()) throw Error("--report is for recordings");
   if (options.plan.empty() == options.output.empty()) throw Error("--output is needed, but not with --run");
   if (options.makesPlan) return makePlan(options);
   if (options.plan.empty()) return estimate(options);
@@ -191,6 +203,8 @@ void addIdentify(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--speed", options->excitation.speed, "largest speed of the slow motion, m/s")
       ->capture_default_str();
+  command->add_option("--report", options->report,
+                      "page (HTML) with the estimates, predictions and the wall to expect");
   command->add_option("--run", options->plan, "plan to play");
   command->add_option("--record", options->record, "file for the recording of --run");
   command->add_option("--virtual", options->truth, "device file of the virtual device of --run: the true numbers");
@@ -202,7 +216,7 @@ void addIdentify(CLI::App& app) {
   command->add_option("--delay", options->delay, "delay of the virtual device, ticks: none, constant:D or random:A..B")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "seed of all random numbers")->capture_default_str();
-  addOverwrite(*command, options->overwrite, {"--output"});
+  addOverwrite(*command, options->overwrite, {"--output", "--report"});
   command->callback([options] {
     options->excitation.seed = options->seed;
     run(*options);

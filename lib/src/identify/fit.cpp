@@ -38,6 +38,16 @@ void interpolate(const RecordedMotion& motion, Eigen::Index first, Eigen::Matrix
   for (Eigen::Index i = last + 1; i < rows.cols() && last >= 0; ++i) rows.col(i) = rows.col(last);
 }
 
+// Phase of the torque that explains a residual e: that of e'' + 2 w e' + w^2 e, or (i f + w)^2.
+Eigen::VectorXcd phaseOf(const Eigen::VectorXd& frequencies) {
+  Eigen::VectorXcd phase(frequencies.size());
+  for (Eigen::Index k = 0; k < phase.size(); ++k) {
+    const std::complex<double> turn(kObserverRate, frequencies[k]);
+    phase[k] = turn * turn / std::norm(turn);
+  }
+  return phase;
+}
+
 }  // namespace
 
 Fit::Fit(DeviceModel reference, std::vector<Unknown> unknowns, const std::vector<RecordedMotion>& motions, int threads)
@@ -347,15 +357,8 @@ std::vector<Eigen::VectorXd> Fit::whiteTorque() {
     const Eigen::VectorXd gain = torquePerReading(spectrum, joint);
     const Eigen::VectorXd deviation = power[0][static_cast<std::size_t>(joint)].cwiseSqrt();
     torqueGain_.push_back(gain.cwiseProduct(deviation).cwiseInverse());
-    // The phase of the observer: e'' + 2 w e' + w^2 e = (i f + w)^2 e.
-    const double rate = kObserverRate;
-    Eigen::VectorXcd white = spectrum.transform(base_[0].row(joint)).cwiseQuotient(deviation);
-    const Eigen::VectorXd f = spectrum.frequencies();
-    for (Eigen::Index k = 0; k < white.size(); ++k) {
-      const std::complex<double> turn(rate, f[k]);
-      white[k] *= turn * turn / std::norm(turn);
-    }
-    torques.push_back(spectrum.inverse(white));
+    const Eigen::VectorXcd white = spectrum.transform(base_[0].row(joint)).cwiseQuotient(deviation);
+    torques.push_back(spectrum.inverse(white.cwiseProduct(phaseOf(spectrum.frequencies()))));
   }
   return torques;
 }
@@ -401,6 +404,36 @@ Eigen::VectorXd Fit::explained() {
     }
   }
   return 1.0 - (error.array() / whole.array().max(1e-300));
+}
+
+IdentificationTraces Fit::traces() {
+  (void)misfit();
+  const Piece& piece = pieces_.front();
+  const Spectrum& spectrum = *piece.spectrum;
+  const Eigen::VectorXd frequencies = spectrum.frequencies(),
+                        isSlow = (frequencies.array() < kExplained).cast<double>();
+  const Eigen::VectorXcd phase = phaseOf(frequencies);
+  const double density = 2.0 * piece.motion->period;  // of one-sided power, per mean square of a line
+  IdentificationTraces traces;
+  traces.period = piece.motion->period;
+  traces.frequency = spectrum.bands(frequencies.cwiseSqrt().cast<std::complex<double>>());
+  const Eigen::Index joints = base_.front().rows();
+  traces.torque.resize(joints, piece.count);
+  traces.explained = traces.torque;
+  traces.residual.resize(joints, traces.frequency.size());
+  for (Eigen::Index joint = 0; joint < joints; ++joint) {
+    Eigen::VectorXd command = piece.motion->command.row(joint).segment(piece.first, piece.count);
+    command.array() -= command.mean();
+    const Eigen::VectorXcd residual = spectrum.transform(base_.front().row(joint));
+    const Eigen::VectorXcd slow = spectrum.transform(command).cwiseProduct(isSlow);
+    traces.joint.push_back(jointName(reference_.device, static_cast<int>(joint)));
+    traces.torque.row(joint) = spectrum.inverse(slow);
+    const Eigen::VectorXcd missing =
+        residual.cwiseProduct(torquePerReading(spectrum, joint).cwiseProduct(isSlow)).cwiseProduct(phase);
+    traces.explained.row(joint) = spectrum.inverse(slow + missing);
+    traces.residual.row(joint) = (density * spectrum.bands(residual)).cwiseSqrt();
+  }
+  return traces;
 }
 
 }  // namespace enamel::identify

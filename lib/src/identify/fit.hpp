@@ -12,6 +12,7 @@
 #include <memory>
 #include <vector>
 
+#include "enamel/identify/identify.hpp"
 #include "identify/simulation.hpp"
 #include "identify/spectrum.hpp"
 
@@ -47,6 +48,9 @@ class Fit {
 
   /// Return the share of the variance of the torque that the model explains below 20 Hz, for each joint.
   Eigen::VectorXd explained();
+
+  /// Return the traces of the first piece.
+  IdentificationTraces traces();
 
   /// Return the torque that would explain the residual of the first piece, for each joint, whitened. whitenTorque()
   /// applies the same filter to another torque. residualReading() is the reading there, one row per joint.

@@ -205,6 +205,7 @@ void addStatistics(Fit& fit, const std::vector<RecordedMotion>& motions, double 
   result.noise = fit.noise();
   fit.use(end, std::numeric_limits<double>::infinity());
   result.explained = fit.explained();
+  result.traces = fit.traces();
   for (Eigen::Index i = 0; i < result.explained.size() && result.problems.empty(); ++i)
     if (!(result.explained[i] > kLeastExplained))
       result.problems.push_back("the result explains only " + formatNumber(std::round(100.0 * result.explained[i])) +
