@@ -7,7 +7,8 @@ namespace {
 
 constexpr double kHelps = 0.05;  // smaller gains are not worth mentioning
 
-// Return the changes of the device that would increase the stiffness.
+}  // namespace
+
 std::string helpOf(const WallExpectation& e) {
   std::string text;
   for (const DeviceChange& change : e.changes)
@@ -15,8 +16,6 @@ std::string helpOf(const WallExpectation& e) {
       text += fmt::format("{}{}: {:+.0f} %", text.empty() ? "" : "; ", change.name, 100.0 * change.gain);
   return text.empty() ? "no change above 5 %" : text;
 }
-
-}  // namespace
 
 void printExpectation(const std::vector<WallExpectation>& expectations, double period, double damping) {
   fmt::print("Position control, estimated from {} simulated pushes at home along z, with encoders:\n",

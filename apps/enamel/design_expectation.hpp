@@ -5,6 +5,9 @@
 
 namespace enamel::app {
 
+/// Return the changes of the device that would increase the stiffness by more than 5 %.
+std::string helpOf(const WallExpectation& expectation);
+
 /// Print one line for each delay. `damping`: the device's own damping along z at home, N s/m.
 void printExpectation(const std::vector<WallExpectation>& expectations, double period, double damping);
 

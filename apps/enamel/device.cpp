@@ -3,13 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <memory>
 #include <thread>
 
 #include "commands.hpp"
+#include "connection.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/device/nominal_device.hpp"
@@ -115,27 +115,8 @@ class Tally {
   double force_ = 0.0;
 };
 
-// Wait for the first measurement, so that no recording starts without a server.
-void awaitServer(UdpDevice& device, const std::string& where) {
-  Measurement measurement;
-  for (int ms = 0; device.measure(measurement) != Status::ok; ++ms) {
-    if (ms == 1000)
-      throw Error(where +
-                  ": no measurement within 1 s; the server needs the same --key and --device, and no other client");
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-}
-
 void connect(const DeviceOptions& options) {
-  const std::size_t colon = options.connect.rfind(':');
-  const std::string host = options.connect.substr(0, colon);
-  std::uint16_t port = kDevicePort;
-  if (colon != std::string::npos) {
-    const char *at = options.connect.data() + colon + 1, *end = options.connect.data() + options.connect.size();
-    const auto [rest, error] = std::from_chars(at, end, port);
-    if (error != std::errc{} || rest != end || port == 0)
-      throw Error("--connect is \"" + options.connect + "\", must be HOST or HOST:PORT with a port in 1 to 65535");
-  }
+  const auto [host, port] = addressOf(options.connect);
   if (!options.record.empty() && options.device.empty())
     throw Error("--record needs --device: the recording contains the device file");
 

@@ -3,16 +3,24 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "commands.hpp"
+#include "connection.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/identify/device_text.hpp"
+#include "enamel/render/impedance.hpp"
 #include "enamel/runtime/recorder.hpp"
+#include "enamel/study/parallel.hpp"
+#include "identify_report.hpp"
 #include "plant_option.hpp"
+#include "program/interrupt.hpp"
 #include "program/outputs.hpp"
 #include "renderer_option.hpp"
 
@@ -21,7 +29,7 @@ namespace {
 
 struct IdentifyOptionsOfCommand {
   std::vector<std::string> recordings;
-  std::string device, output, plan, record, truth, plant, delay = "none";
+  std::string device, output, plan, record, truth, plant, delay = "none", connect, key, report;
   bool makesPlan = false, overwrite = false;
   ExcitationOptions excitation;
   double rate_Hz = 1000.0;
@@ -99,6 +107,39 @@ void runPlan(const IdentifyOptionsOfCommand& options) {
                     device.time(), toString(reason)));
 }
 
+// Play a plan on a device over UDP in real time, and record it.
+void playPlan(const IdentifyOptionsOfCommand& options) {
+  const Excitation excitation = loadExcitation(options.plan);
+  const std::shared_ptr<const Mechanism> mechanism = makeMechanism(loadDevice(options.device));
+  const auto [host, port] = addressOf(options.connect);
+  LinkOptions link;
+  link.joints = mechanism->joints();
+  if (!options.key.empty()) link.key = readKey(options.key);
+  UdpDevice device(host, port, link);
+  awaitServer(device, options.connect);
+  ImpedanceRenderer renderer({100.0, 0.0});  // without a wall: balances gravity
+  const Scene scene;
+  const Tool tool;
+  HapticTick haptics(*mechanism, scene, tool, renderer, guardFor(*mechanism, excitation));
+  removeOld(options.record, options.overwrite);
+  Recorder recorder(options.record, headerOf(options), haptics);
+  ExcitationPlayer player(excitation, haptics, &recorder);
+  HapticLoopOptions how;
+  how.period = std::max(1e-4, 0.25 * excitation.period);  // faster than the server, which has its own clock
+  how.sink = &player;
+  const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
+  {
+    const HapticLoop loop(device, haptics, how);
+    while (!player.isOver() && interruption() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const RecordingResult recorded = recorder.close();
+  if (!recorded.problem.empty()) throw Error(recorded.problem);
+  fmt::print("recording: {}, {} ticks, {} lost\n", options.record, recorded.ticks, recorded.lost);
+  if (const GuardReason reason = haptics.guard().fault(); reason != GuardReason::none)
+    throw Error(fmt::format("the guard stopped the excitation: {}; make a plan with a smaller --share or --speed",
+                            toString(reason)));
+}
+
 void estimate(const IdentifyOptionsOfCommand& options) {
   const std::string text = readFile(options.device);
   const DeviceParameters device = parseDevice(text, options.device);
@@ -107,6 +148,15 @@ void estimate(const IdentifyOptionsOfCommand& options) {
   for (const std::string& file : options.recordings)
     for (RecordedMotion& motion : loadMotions(file, joints)) motions.push_back(std::move(motion));
   const Identification result = identifyDevice(motions, device);
+  if (!options.report.empty()) {
+    std::vector<std::string> files = options.recordings;
+    files.insert(files.begin(), options.device);
+    std::vector<WallExpectation> expected;
+    if (result.isUsable())
+      expected = expectWall(result.device, motions.front().period, std::max(2, result.delay.high), availableThreads());
+    writeFile(options.report, identificationReport(result, files, expected));
+    fmt::print("report: {}\n", options.report);
+  }
   if (!result.isUsable()) {
     std::string problems;
     for (const std::string& problem : result.problems) problems += (problems.empty() ? "" : "; ") + problem;
@@ -122,11 +172,14 @@ void estimate(const IdentifyOptionsOfCommand& options) {
 void run(const IdentifyOptionsOfCommand& options) {
   const int modes = (options.makesPlan ? 1 : 0) + (options.plan.empty() ? 0 : 1) + (options.recordings.empty() ? 0 : 1);
   if (modes != 1) throw Error("give one of --plan, --run PLAN, or recordings");
-  if (options.plan.empty() == !options.truth.empty()) throw Error("--virtual is for --run, which needs it");
+  const int devices = (options.truth.empty() ? 0 : 1) + (options.connect.empty() ? 0 : 1);
+  if (devices != (options.plan.empty() ? 0 : 1)) throw Error("--run needs either --virtual or --connect");
   if (options.plan.empty() == !options.record.empty()) throw Error("--record is for --run, which needs it");
+  if (!options.report.empty() && options.recordings.empty()) throw Error("--report is for recordings");
   if (options.plan.empty() == options.output.empty()) throw Error("--output is needed, but not with --run");
   if (options.makesPlan) return makePlan(options);
-  options.plan.empty() ? estimate(options) : runPlan(options);
+  if (options.plan.empty()) return estimate(options);
+  options.connect.empty() ? runPlan(options) : playPlan(options);
 }
 
 }  // namespace
@@ -136,7 +189,7 @@ void addIdentify(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "identify",
       "Estimates masses, friction, cables, delay and other numbers of a device from recordings, and writes a device\n"
-      "file with them. --plan designs a motion that shows these numbers; --run plays it on a virtual device.\n"
+      "file with them. --plan designs a motion that shows these numbers; --run plays it on a device.\n"
       "Step by step: lib/docs/identify.md.");
   command->add_option("recordings", options->recordings, "recordings of the device in free motion");
   command->add_option("--device", options->device, "device file (TOML); its numbers may be wrong")->required();
@@ -150,16 +203,20 @@ void addIdentify(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--speed", options->excitation.speed, "largest speed of the slow motion, m/s")
       ->capture_default_str();
+  command->add_option("--report", options->report,
+                      "page (HTML) with the estimates, predictions and the wall to expect");
   command->add_option("--run", options->plan, "plan to play");
   command->add_option("--record", options->record, "file for the recording of --run");
   command->add_option("--virtual", options->truth, "device file of the virtual device of --run: the true numbers");
+  command->add_option("--connect", options->connect, "HOST or HOST:PORT of the device of --run, as enamel device");
+  command->add_option("--key", options->key, "file with the shared key of the device, as enamel device");
   command->add_option("--plant", options->plant, kPlantHelp)
       ->check(CLI::Validator(checkPlant, ""))
       ->default_str("imperfect if the file of --virtual has [imperfections]");
   command->add_option("--delay", options->delay, "delay of the virtual device, ticks: none, constant:D or random:A..B")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "seed of all random numbers")->capture_default_str();
-  addOverwrite(*command, options->overwrite, {"--output"});
+  addOverwrite(*command, options->overwrite, {"--output", "--report"});
   command->callback([options] {
     options->excitation.seed = options->seed;
     run(*options);

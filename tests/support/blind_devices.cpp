@@ -95,6 +95,92 @@ BlindDevice makeCartesian3(Draw& draw) {
   return device;
 }
 
+BlindDevice makeCartesian6(Draw& draw) {
+  CartesianParameters file = loadCartesian(deviceFile("cartesian-6.toml")), truth = file;
+  truth.mass = draw.factor(0.15, 0.5);
+  file.mass = truth.mass * draw.factor(0.5, 2.0);
+  BlindDevice device;
+  for (int i = 0; i < 3; ++i) {
+    truth.inertia(i, i) *= draw.factor(0.7, 1.4);
+    truth.damping[i] = draw.uniform(0.1, 1.0);
+    truth.damping[i + 3] = draw.uniform(1e-4, 1e-3);
+    truth.gravity[i] = draw.uniform(-0.3, 0.3);
+    device.value["platform.inertia[" + std::to_string(i) + "]"] = truth.inertia(i, i);
+    device.value["gravity[" + std::to_string(i) + "]"] = truth.gravity[i];
+  }
+  for (int i = 0; i < 6; ++i) device.value["platform.damping[" + std::to_string(i) + "]"] = truth.damping[i];
+  device.value["platform.mass"] = truth.mass;
+  truth.halfWidths *= 2.0;
+  Imperfections e;
+  drawLoop(draw, device, e);
+  e.torqueRipple = draw.uniform(0.0, 0.01);
+  e.periods = 2.0 * M_PI / draw.factor(0.008, 0.03);
+  device.built.imperfections = e;
+  device.built.mechanism = makeMechanism(truth);
+  device.built.offset = JointVector::Zero(6);
+  device.built.torqueConstant = drawRatios(draw, 6, 3);
+  device.built.coulombFriction = drawAround(draw, 6, draw.factor(0.1, 0.5));
+  device.built.cogging = drawAround(draw, 6, draw.factor(0.02, 0.1));
+  device.built.coulombFriction.tail(3) *= 0.01;  // N to N m
+  device.built.cogging.tail(3) *= 0.01;
+  device.built.coggingPhase = JointVector::Zero(6);
+  for (double& phase : device.built.coggingPhase) phase = draw.uniform(0.0, 2.0 * M_PI);
+  device.file = file;
+  device.truth = truth;
+  return device;
+}
+
+BlindDevice makeTau(Draw& draw) {
+  TauParameters file = loadTau(deviceFile("tau-detailed.toml"));
+  file.imperfections.lengthError = 0.0;  // its 24 lengths are not estimated
+  TauParameters truth = file;
+  BlindDevice device;
+  truth.platform.mass *= draw.factor(0.7, 1.4);
+  for (int i = 0; i < 3; ++i) {
+    truth.platform.com[i] += draw.uniform(-0.004, 0.004);
+    truth.platform.inertia(i, i) *= draw.factor(0.9, 1.1);
+    device.value["platform.com[" + std::to_string(i) + "]"] = truth.platform.com[i];
+    device.value["platform.inertia[" + std::to_string(i) + "]"] = truth.platform.inertia(i, i);
+  }
+  device.value["platform.mass"] = truth.platform.mass;
+  for (std::size_t i = 0; i < 6; ++i) {
+    LinkParameters& link = i % 2 == 0 ? truth.chain[i / 2].link1 : truth.chain[i / 2].link2;
+    const double factor = draw.factor(0.6, 1.6);
+    link.mass *= factor;
+    link.inertia *= factor;
+    device.value["mass factor of link " + std::to_string(i % 2 + 1) + " of chain " + std::to_string(i / 2 + 1)] =
+        factor;
+  }
+  truth.motor.rotorInertia *= draw.factor(0.6, 1.6);
+  truth.motor.viscousFriction = draw.uniform(0.0, 2e-3);
+  Imperfections& e = truth.imperfections;
+  drawLoop(draw, device, e);
+  e.torqueRipple = draw.uniform(0.0, 0.01);
+  e.periods = draw.factor(40.0, 150.0);
+  e.cableStiffness = draw.factor(500.0, 2000.0);
+  e.cableDamping = e.cableStiffness * draw.factor(2e-5, 8e-5);
+  const double offset = e.encoderOffset;
+  e.massError = e.encoderOffset = 0.0;
+  device.built = makeImperfectDevice(truth, draw.seed());
+  device.built.torqueConstant = drawRatios(draw, 6, 6);
+  device.built.coulombFriction = drawAround(draw, 6, draw.factor(0.003, 0.012));
+  device.built.cogging = drawAround(draw, 6, draw.factor(1e-3, 4e-3));
+  device.built.coggingPhase = JointVector::Zero(6);
+  for (double& phase : device.built.coggingPhase) phase = draw.uniform(0.0, 2.0 * M_PI);
+  for (int i = 0; i < 6; ++i) {
+    const double error = draw.uniform(-offset, offset);
+    device.built.offset[i] += error;
+    device.value["encoder offset of joint " + std::to_string(i + 1)] = error;
+  }
+  device.value["motor.rotor_inertia"] = device.built.rotorInertia;
+  device.value["motor.viscous_friction"] = truth.motor.viscousFriction;
+  device.value["imperfections.cable_stiffness"] = e.cableStiffness;
+  device.value["imperfections.cable_damping"] = e.cableDamping;
+  device.file = file;
+  device.truth = truth;
+  return device;
+}
+
 BlindDevice makeDelta(Draw& draw) {
   DeltaParameters file = loadDelta(deviceFile("delta.toml")), truth = file;
   for (double* mass : {&truth.platform.mass, &truth.bar.mass, &truth.upperLink.inertia, &truth.motor.rotorInertia})
@@ -142,12 +228,43 @@ BlindDevice makeDelta(Draw& draw) {
 
 BlindDevice makeBlindDevice(BlindKind kind, std::uint64_t seed) {
   Draw draw(seed);
-  BlindDevice device = kind == BlindKind::cartesian3 ? makeCartesian3(draw) : makeDelta(draw);
+  BlindDevice device = kind == BlindKind::cartesian3   ? makeCartesian3(draw)
+                       : kind == BlindKind::cartesian6 ? makeCartesian6(draw)
+                       : kind == BlindKind::delta      ? makeDelta(draw)
+                                                       : makeTau(draw);
   name(device);
   return device;
 }
 
 namespace {
+
+// An imperfect plant whose first motor gives less than its commands.
+class SaturatingPlant final : public Plant {
+ public:
+  SaturatingPlant(const ImperfectDevice& device, double most) : Plant(*device.mechanism), plant_(device), most_(most) {}
+
+  std::unique_ptr<Plant> clone() const override { return std::make_unique<SaturatingPlant>(*this); }
+  Status start(const Pose& pose) override {
+    const Status status = plant_.start(pose);
+    state_ = plant_.state();
+    return status;
+  }
+  Status advance(double time, double duration, const JointVector& torque,
+                 const ExternalWrench& load) noexcept override {
+    JointVector limited = torque;
+    limited[0] = std::clamp(limited[0], -most_, most_);
+    const Status status = plant_.advance(time, duration, limited, load);
+    state_ = plant_.state();
+    return status;
+  }
+  void read(const Kinematics& truth, JointVector& q, JointVector& rates) const noexcept override {
+    plant_.read(truth, q, rates);
+  }
+
+ private:
+  ImperfectPlant plant_;
+  double most_;
+};
 
 std::vector<RecordedTick> record(const BlindDevice& device, const Mechanism& mechanism, const Excitation& excitation,
                                  std::uint64_t seed, const ExternalWrench& load) {
@@ -157,7 +274,7 @@ std::vector<RecordedTick> record(const BlindDevice& device, const Mechanism& mec
   setup.jitter = device.jitter;
   setup.lostSamples = device.lost;
   setup.seed = seed;
-  VirtualDevice plant(std::make_unique<ImperfectPlant>(device.built), setup);
+  VirtualDevice plant(std::make_unique<SaturatingPlant>(device.built, device.saturation), setup);
   std::vector<RecordedTick> ticks;
   const auto each = [&](std::uint64_t number, const Measurement& measurement, const HapticTick& haptics,
                         const Command& command, Status status) {

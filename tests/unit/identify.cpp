@@ -217,4 +217,37 @@ TEST_CASE("wrong wiring and wrong units get a diagnosis in words", "[identify]")
   CHECK(problemOf([](RecordedTick& t) { t.command *= 1000.0; }).find("check the units") != std::string::npos);
 }
 
+TEST_CASE("lost samples, a saturating motor and a hand get a right result or a diagnosis", "[identify]") {
+  test::BlindDevice device = test::makeBlindDevice(test::BlindKind::cartesian3, 5);
+  const double mass = device.value.at("platform.mass");
+  const auto isRight = [&](const Identification& result) {
+    return result.delay.low == device.delay.low && std::abs(find(result, "platform.mass").value / mass - 1.0) < 0.03;
+  };
+  device.lost = 0.05;
+  const Identification lost = identifyChanged(device, [](RecordedTick&) {});
+  REQUIRE(lost.isUsable());
+  CHECK(isRight(lost));
+  CHECK(lost.lostSamples == Approx(0.05).margin(0.01));  // 3 deviations of 8000 ticks
+  device.lost = 0.0;
+
+  std::vector<RecordedTick> ticks = test::recordBlind(device, 8.0, 3);
+  double largest = 0.0;
+  for (const RecordedTick& tick : ticks) largest = std::max(largest, std::abs(tick.command[0]));
+  device.saturation = 0.45 * largest;
+  const Identification saturated = identifyChanged(device, [](RecordedTick&) {});
+  REQUIRE_FALSE(saturated.isUsable());
+  CHECK(saturated.problems[0].find("motor of axis x saturates") != std::string::npos);
+  device.saturation = 1e9;
+
+  const auto hand = [](double time, const Pose& pose, const Vec6& twist) {
+    Vec6 wrench = Vec6::Zero();
+    const Vec3 at(0.01 * std::sin(3.0 * time), 0.01 * std::sin(4.1 * time), 0.01 * std::sin(2.3 * time));
+    wrench.head<3>() = 150.0 * (at - pose.position) - 4.0 * twist.head<3>();
+    return wrench;
+  };
+  const ExternalWrench load(hand);
+  const Identification held = identifyDevice(motionsOf(test::recordBlind(device, 8.0, 3, &load), 1e-3, 3), device.file);
+  CHECK((!held.isUsable() || isRight(held)));
+}
+
 }  // namespace enamel::test_identify

@@ -49,6 +49,11 @@ TEST_CASE("the commands of the page plan, play and estimate", "[identify]") {
   const auto found = std::get<CartesianParameters>(loadDevice(folder / "identified.toml"));
   CHECK(found.mass == Approx(0.045).epsilon(0.01));  // the file said 0.080; the interval is about 0.1 %
 
+  const std::string report = test::readFile(folder / "report.html");
+  for (const char* part : {"platform.mass", "axis z: 99.", "Spectra of the residuals", "2 (this loop)"})
+    CHECK(report.find(part) != std::string::npos);
+  CHECK(report.find("nan") == std::string::npos);
+
   const std::string device = "identify --device my-device.toml ";
   CHECK(runHere(device + "--plan").output.find("--output is needed") != std::string::npos);
   CHECK(runHere(device + "--output x.toml").output.find("give one of --plan, --run PLAN, or recordings") !=

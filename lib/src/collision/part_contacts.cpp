@@ -34,6 +34,7 @@ void Collector::add(const Vec3& asked, const Found& found, double radius) {
   ContactSnapshot& all = *contacts;
   int place = all.count;
   while (place > 0 && gap < all.contacts[place - 1].gap) --place;
+  if (all.count == kMaxContacts) ++all.omitted;
   if (place == kMaxContacts) return;
   all.count = std::min(all.count + 1, kMaxContacts);
   for (int i = all.count - 1; i > place; --i) all.contacts[i] = all.contacts[i - 1];

@@ -7,6 +7,7 @@ namespace enamel::identify {
 namespace {
 
 constexpr double kMassSpread = 0.7;       // of the logarithm: a factor of 2
+constexpr double kComSpread = 0.01;       // m, of the platform
 constexpr double kRatioSpread = 0.15;     // of a motor's torque
 constexpr double kLagSpread = 5e-4;       // s
 constexpr double kDelaySpread = 3.0;      // ticks
@@ -74,6 +75,16 @@ void addMechanism(List& list, const DeltaParameters& p) {
 
 void addMechanism(List& list, const TauParameters&) {
   list.factor("platform.mass", "kg", [](DeviceModel& m) -> double& { return tau(m).platform.mass; });
+  for (int i = 0; i < 3; ++i) {
+    const std::string index = "[" + std::to_string(i) + "]";
+    list.term(
+        "platform.com" + index, "m", [i](DeviceModel& m) -> double& { return tau(m).platform.com[i]; }, kComSpread);
+    list.factor("platform.inertia" + index, "kg m^2",
+                [i](DeviceModel& m) -> double& { return tau(m).platform.inertia(i, i); });
+  }
+  for (std::size_t i = 0; i < 6; ++i)
+    list.factor("mass factor of link " + std::to_string(i % 2 + 1) + " of chain " + std::to_string(i / 2 + 1), "",
+                [i](DeviceModel& m) -> double& { return m.links[i]; });
 }
 
 void addMechanism(List& list, const CartesianParameters& p) {
@@ -177,6 +188,14 @@ struct TakeImperfections {
 
 }  // namespace
 
+void scaleLinks(const std::array<double, 6>& factors, TauParameters& device) {
+  for (std::size_t i = 0; i < 6; ++i) {
+    LinkParameters& link = i % 2 == 0 ? device.chain[i / 2].link1 : device.chain[i / 2].link2;
+    link.mass *= factors[i];
+    link.inertia *= factors[i];
+  }
+}
+
 std::string jointName(const DeviceParameters& device, int i) {
   if (!isCartesian(device)) return "joint " + std::to_string(i + 1);
   return std::string(i < 3 ? "axis " : "rotation about ") + "xyz"[i % 3];
@@ -226,6 +245,7 @@ ImperfectDevice deviceOf(const DeviceModel& model) {
   ImperfectDevice device;
   device.rotorInertia = isCartesian(built) ? 0.0 : rotorOf(copy);
   std::visit(TakeImperfections{}, built);
+  if (auto* device6 = std::get_if<TauParameters>(&built)) scaleLinks(model.links, *device6);
   if (model.hasCables()) std::visit(TakeRotors{}, built);
   device.mechanism = makeMechanism(built);
   device.imperfections = model.drive;

@@ -1,6 +1,7 @@
 // The device with all numbers that an identification estimates. Private to identify.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -20,13 +21,18 @@ struct DeviceModel {
   JointVector coulomb;       ///< N m or N
   JointVector offset;        ///< of the encoders, rad or m
   JointVector sine, cosine;  ///< amplitudes of cogging, N m or N
-  JointVector home;          ///< readings at home without offset, rad or m
+  std::array<double, 6> links = {1.0, 1.0, 1.0,
+                                 1.0, 1.0, 1.0};  ///< of a TAU: factors of mass and inertia, chain by chain
+  JointVector home;                               ///< readings at home without offset, rad or m
 
   bool hasCables() const noexcept { return drive.cableStiffness > 0.0; }
 };
 
 /// Return the model that a device file describes, with a delay of 0.
 DeviceModel modelOf(const DeviceParameters& device);
+
+/// Multiply mass and inertia of the links of a TAU, chain by chain.
+void scaleLinks(const std::array<double, 6>& factors, TauParameters& device);
 
 /// Return ratio, scaled so that its mean is 1. Forces and moments of a Cartesian device have separate means.
 JointVector torqueRatios(const DeviceModel& model);

@@ -26,17 +26,43 @@ std::string trimmed(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
 }
 
+std::string matrixText(const Mat3& matrix) {
+  if (Mat3(matrix.diagonal().asDiagonal()) == matrix) return vectorText(Vec3(matrix.diagonal()).data(), 3);
+  std::string rows = "[";
+  for (int i = 0; i < 3; ++i) rows += (i > 0 ? ", " : "") + vectorText(Vec3(matrix.row(i)).data(), 3);
+  return rows + "]";
+}
+
 // Values of vectors, whose elements are single estimates.
 std::string vectorOf(const std::string& key, const DeviceParameters& device) {
-  const auto* cartesian = std::get_if<CartesianParameters>(&device);
-  if (cartesian == nullptr) throw Error("the key " + key + " is not written");
-  if (key == "gravity") return vectorText(cartesian->gravity.data(), 3);
-  if (key == "platform.damping") return vectorText(cartesian->damping.data(), cartesian->axes);
-  const Mat3& inertia = cartesian->inertia;
-  if (Mat3(inertia.diagonal().asDiagonal()) == inertia) return vectorText(Vec3(inertia.diagonal()).data(), 3);
-  std::string rows = "[";
-  for (int i = 0; i < 3; ++i) rows += (i > 0 ? ", " : "") + vectorText(Vec3(inertia.row(i)).data(), 3);
-  return rows + "]";
+  if (const auto* tau = std::get_if<TauParameters>(&device))
+    return key == "platform.com" ? vectorText(tau->platform.com.data(), 3) : matrixText(tau->platform.inertia);
+  const auto& cartesian = std::get<CartesianParameters>(device);
+  if (key == "gravity") return vectorText(cartesian.gravity.data(), 3);
+  if (key == "platform.damping") return vectorText(cartesian.damping.data(), cartesian.axes);
+  return matrixText(cartesian.inertia);
+}
+
+// Replace mass and inertia of a link of a TAU: an inline table, or a table of its own.
+std::string withLink(const std::string& text, int chain, int number, const LinkParameters& link) {
+  const std::string name = "link" + std::to_string(number);
+  std::istringstream lines(text);
+  std::string result;
+  int present = -1;
+  bool isInside = false;
+  for (std::string line; std::getline(lines, line); result += line + "\n") {
+    const std::string content = trimmed(line.substr(0, line.find('#')));
+    if (content == "[[chain]]") ++present;
+    if (!content.empty() && content.front() == '[') isInside = present == chain && content == "[chain." + name + "]";
+    if (present != chain) continue;
+    const std::string key = trimmed(content.substr(0, content.find('=')));
+    if (key == name && content.find('{') != std::string::npos)
+      line = name + " = { length = " + rounded(link.length) + ", mass = " + rounded(link.mass) +
+             ", com = " + vectorText(link.com.data(), 3) + ", inertia = " + matrixText(link.inertia) + " }";
+    if (isInside && key == "mass") line = "mass = " + rounded(link.mass);
+    if (isInside && key == "inertia") line = "inertia = " + matrixText(link.inertia);
+  }
+  return result;
 }
 
 // Keys and values for the file.
@@ -116,6 +142,11 @@ std::string identifiedText(const std::string& text, const Identification& result
   if (!result.isUsable()) throw Error("the device cannot be identified: " + result.problems.front());
   std::string changed = text;
   for (const auto& [key, value] : valuesOf(result)) changed = withValue(changed, key, value);
+  if (const auto* tau = std::get_if<TauParameters>(&result.device))
+    for (int chain = 0; chain < 3; ++chain) {
+      changed = withLink(changed, chain, 1, tau->chain[static_cast<std::size_t>(chain)].link1);
+      changed = withLink(changed, chain, 2, tau->chain[static_cast<std::size_t>(chain)].link2);
+    }
   std::string head =
       "# Numbers estimated by enamel identify: value, 95 % interval, value of the file before. The torque constants "
       "are\n"

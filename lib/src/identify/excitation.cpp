@@ -189,6 +189,20 @@ GuardOptions guardFor(const Mechanism& mechanism, const Excitation& excitation) 
   return guard;
 }
 
+void ExcitationPlayer::before(Measurement& measurement) noexcept {
+  if (begin_ < 0.0) begin_ = measurement.time;
+  const double time = measurement.time - begin_;
+  if (!measurement.enabled || time > excitation_.duration || haptics_.guard().fault() != GuardReason::none)
+    isOver_.store(true);
+  const Kinematics& last = haptics_.frame().kinematics;
+  haptics_.setEffect(isOver_.load() ? Vec6(Vec6::Zero()) : wrenchAt(excitation_, time, last.pose, last.twist));
+  if (next_ != nullptr) next_->before(measurement);
+}
+
+void ExcitationPlayer::tick(const LoopTick& tick, const HapticTick& haptics) noexcept {
+  if (next_ != nullptr) next_->tick(tick, haptics);
+}
+
 GuardReason runExcitation(const Excitation& excitation, const Mechanism& mechanism, VirtualDevice& device,
                           const ExternalWrench& load, const ExcitationTick& each) {
   ImpedanceRenderer renderer({100.0, 0.0});  // touches nothing: balances gravity

@@ -6,20 +6,22 @@
 #include <complex>
 #include <limits>
 
+#include "enamel/core/error.hpp"
 #include "enamel/study/parallel.hpp"
 
 namespace enamel::identify {
 namespace {
 
-constexpr double kTransient = 0.5;    // s, skipped at the beginning of each piece
-constexpr double kStep = 0.003;       // of x, for differences
-constexpr double kRelative = 0.05;    // residual that counts as noise, of the reading's power: far from the device
-constexpr double kFloor = 0.3;        // of the power of rounding
-constexpr double kBlock = 0.25;       // s, of the scores
-constexpr double kBandwidth = 8.0;    // independent frequencies in the narrowest band
-constexpr double kExplained = 20.0;   // Hz, below which explained() compares
-constexpr double kConverged = 0.1;    // expected change of the log likelihood in the next step
-constexpr double kLongestStep = 1.5;  // of the spread of an unknown
+constexpr double kTransient = 0.5;      // s, skipped at the beginning of each piece
+constexpr double kShortestPiece = 1.0;  // s
+constexpr double kStep = 0.003;         // of x, for differences
+constexpr double kRelative = 0.05;      // residual that counts as noise, of the reading's power: far from the device
+constexpr double kFloor = 0.3;          // of the power of rounding
+constexpr double kBlock = 0.25;         // s, of the scores
+constexpr double kBandwidth = 8.0;      // independent frequencies in the narrowest band
+constexpr double kExplained = 20.0;     // Hz, below which explained() compares
+constexpr double kConverged = 0.1;      // expected change of the log likelihood in the next step
+constexpr double kLongestStep = 1.5;    // of the spread of an unknown
 
 // Replace the values of ticks without a sample by straight lines.
 void interpolate(const RecordedMotion& motion, Eigen::Index first, Eigen::MatrixXd& rows) {
@@ -36,6 +38,16 @@ void interpolate(const RecordedMotion& motion, Eigen::Index first, Eigen::Matrix
   for (Eigen::Index i = last + 1; i < rows.cols() && last >= 0; ++i) rows.col(i) = rows.col(last);
 }
 
+// Phase of the torque that explains a residual e: that of e'' + 2 w e' + w^2 e, or (i f + w)^2.
+Eigen::VectorXcd phaseOf(const Eigen::VectorXd& frequencies) {
+  Eigen::VectorXcd phase(frequencies.size());
+  for (Eigen::Index k = 0; k < phase.size(); ++k) {
+    const std::complex<double> turn(kObserverRate, frequencies[k]);
+    phase[k] = turn * turn / std::norm(turn);
+  }
+  return phase;
+}
+
 }  // namespace
 
 Fit::Fit(DeviceModel reference, std::vector<Unknown> unknowns, const std::vector<RecordedMotion>& motions, int threads)
@@ -45,7 +57,7 @@ Fit::Fit(DeviceModel reference, std::vector<Unknown> unknowns, const std::vector
   observer_ = observerFor(reference_, motions.front().period);
   const JointVector step = makeMechanism(reference_.device)->limits().encoderStep;
   floor_ = kFloor / 12.0 * step.array().square();
-  use(std::numeric_limits<double>::infinity());
+  use(0.0, std::numeric_limits<double>::infinity());
 }
 
 int Fit::find(const std::string& key) const noexcept {
@@ -54,33 +66,42 @@ int Fit::find(const std::string& key) const noexcept {
   return -1;
 }
 
-void Fit::use(double seconds) {
+void Fit::use(double begin, double end) {
   pieces_.clear();
   slopes_.clear();
   baseAt_.resize(0);
+  double passed = 0.0;  // s, at the beginning of a motion
   for (const RecordedMotion& motion : motions_) {
-    const double left = seconds - kTransient;
-    if (left < 1.0) break;
-    const auto skipped = static_cast<Eigen::Index>(kTransient / motion.period);
-    const double most = std::min(left / motion.period, static_cast<double>(motion.ticks() - skipped));
-    const auto count = static_cast<Eigen::Index>(most);
-    const double bandwidth = kBandwidth / (most * motion.period);
-    pieces_.push_back({&motion, skipped, count, std::make_unique<Spectrum>(count, motion.period, bandwidth)});
-    seconds -= most * motion.period + kTransient;
+    const auto tickAt = [&](double time) {
+      return static_cast<Eigen::Index>(
+          std::clamp((time - passed) / motion.period, 0.0, static_cast<double>(motion.ticks())));
+    };
+    const Eigen::Index start = tickAt(begin), first = start + static_cast<Eigen::Index>(kTransient / motion.period);
+    const Eigen::Index count = tickAt(end) - first;
+    passed += static_cast<double>(motion.ticks()) * motion.period;
+    if (static_cast<double>(count) * motion.period < kShortestPiece) continue;
+    const double bandwidth = kBandwidth / (static_cast<double>(count) * motion.period);
+    pieces_.push_back({&motion, start, first, count, std::make_unique<Spectrum>(count, motion.period, bandwidth)});
   }
 }
 
+// Empty if no device has these numbers, for example a tensor that breaks the triangle inequality.
 Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, int& left) const {
   const DeviceModel model = modelAt(reference_, unknowns_, at);
   Residuals all;
   left = 0;
-  for (const Piece& piece : pieces_) {
-    const Simulated simulated = simulate(model, *piece.motion, observer_, 0, piece.first + piece.count);
-    left += simulated.restarts;
-    Eigen::MatrixXd rows =
-        piece.motion->reading.middleCols(piece.first, piece.count) - simulated.reading.rightCols(piece.count);
-    interpolate(*piece.motion, piece.first, rows);
-    all.push_back(std::move(rows));
+  try {
+    for (const Piece& piece : pieces_) {
+      const Simulated simulated =
+          simulate(model, *piece.motion, observer_, piece.start, piece.first - piece.start + piece.count);
+      left += simulated.restarts;
+      Eigen::MatrixXd rows =
+          piece.motion->reading.middleCols(piece.first, piece.count) - simulated.reading.rightCols(piece.count);
+      interpolate(*piece.motion, piece.first, rows);
+      all.push_back(std::move(rows));
+    }
+  } catch (const ConfigurationError&) {
+    return {};
   }
   return all;
 }
@@ -89,11 +110,15 @@ void Fit::updateSlopes(const Residuals& base) {
   slopes_.assign(unknowns_.size(), {});
   parallelFor(unknowns_.size(), threads_, [&](std::size_t i) {
     if (isFixed[i] != 0) return;
-    Eigen::VectorXd moved = x;
-    moved[static_cast<Eigen::Index>(i)] += kStep;
-    int left;
-    const Residuals other = residuals(moved, left);
-    for (std::size_t p = 0; p < base.size(); ++p) slopes_[i].push_back(((base[p] - other[p]) / kStep).cast<float>());
+    for (const double step : {kStep, -kStep}) {  // backward at the limit of possible devices
+      Eigen::VectorXd moved = x;
+      moved[static_cast<Eigen::Index>(i)] += step;
+      int left;
+      const Residuals other = residuals(moved, left);
+      for (std::size_t p = 0; p < other.size(); ++p) slopes_[i].push_back(((base[p] - other[p]) / step).cast<float>());
+      if (!other.empty()) return;
+    }
+    throw Error("the numbers of \"" + nameOf(reference_.device) + "\" are at the limit of possible devices");
   });
 }
 
@@ -251,7 +276,7 @@ void Fit::improve(int steps, bool isRelative, bool keepsSlopes) {
       const Eigen::VectorXd next = x + step;
       int left = 0;
       Residuals there = residuals(next, left);
-      isBetter = cost(there, power) + priorCost(next) < before;
+      isBetter = !there.empty() && cost(there, power) + priorCost(next) < before;
       if (!isBetter) continue;
       x = baseAt_ = next;
       base_ = std::move(there);
@@ -332,17 +357,18 @@ std::vector<Eigen::VectorXd> Fit::whiteTorque() {
     const Eigen::VectorXd gain = torquePerReading(spectrum, joint);
     const Eigen::VectorXd deviation = power[0][static_cast<std::size_t>(joint)].cwiseSqrt();
     torqueGain_.push_back(gain.cwiseProduct(deviation).cwiseInverse());
-    // The phase of the observer: e'' + 2 w e' + w^2 e = (i f + w)^2 e.
-    const double rate = kObserverRate;
-    Eigen::VectorXcd white = spectrum.transform(base_[0].row(joint)).cwiseQuotient(deviation);
-    const Eigen::VectorXd f = spectrum.frequencies();
-    for (Eigen::Index k = 0; k < white.size(); ++k) {
-      const std::complex<double> turn(rate, f[k]);
-      white[k] *= turn * turn / std::norm(turn);
-    }
-    torques.push_back(spectrum.inverse(white));
+    const Eigen::VectorXcd white = spectrum.transform(base_[0].row(joint)).cwiseQuotient(deviation);
+    torques.push_back(spectrum.inverse(white.cwiseProduct(phaseOf(spectrum.frequencies()))));
   }
   return torques;
+}
+
+Eigen::MatrixXd Fit::residualCommand(int delay) const {
+  const Piece& piece = pieces_.front();
+  Eigen::MatrixXd commands(piece.motion->command.rows(), piece.count);
+  for (Eigen::Index i = 0; i < piece.count; ++i)
+    commands.col(i) = piece.motion->command.col(std::max<Eigen::Index>(0, piece.first + i - delay));
+  return commands;
 }
 
 Eigen::VectorXd Fit::whitenTorque(Eigen::Index joint, const Eigen::VectorXd& torque) const {
@@ -378,6 +404,36 @@ Eigen::VectorXd Fit::explained() {
     }
   }
   return 1.0 - (error.array() / whole.array().max(1e-300));
+}
+
+IdentificationTraces Fit::traces() {
+  (void)misfit();
+  const Piece& piece = pieces_.front();
+  const Spectrum& spectrum = *piece.spectrum;
+  const Eigen::VectorXd frequencies = spectrum.frequencies(),
+                        isSlow = (frequencies.array() < kExplained).cast<double>();
+  const Eigen::VectorXcd phase = phaseOf(frequencies);
+  const double density = 2.0 * piece.motion->period;  // of one-sided power, per mean square of a line
+  IdentificationTraces traces;
+  traces.period = piece.motion->period;
+  traces.frequency = spectrum.bands(frequencies.cwiseSqrt().cast<std::complex<double>>());
+  const Eigen::Index joints = base_.front().rows();
+  traces.torque.resize(joints, piece.count);
+  traces.explained = traces.torque;
+  traces.residual.resize(joints, traces.frequency.size());
+  for (Eigen::Index joint = 0; joint < joints; ++joint) {
+    Eigen::VectorXd command = piece.motion->command.row(joint).segment(piece.first, piece.count);
+    command.array() -= command.mean();
+    const Eigen::VectorXcd residual = spectrum.transform(base_.front().row(joint));
+    const Eigen::VectorXcd slow = spectrum.transform(command).cwiseProduct(isSlow);
+    traces.joint.push_back(jointName(reference_.device, static_cast<int>(joint)));
+    traces.torque.row(joint) = spectrum.inverse(slow);
+    const Eigen::VectorXcd missing =
+        residual.cwiseProduct(torquePerReading(spectrum, joint).cwiseProduct(isSlow)).cwiseProduct(phase);
+    traces.explained.row(joint) = spectrum.inverse(slow + missing);
+    traces.residual.row(joint) = (density * spectrum.bands(residual)).cwiseSqrt();
+  }
+  return traces;
 }
 
 }  // namespace enamel::identify

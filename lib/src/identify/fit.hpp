@@ -12,6 +12,7 @@
 #include <memory>
 #include <vector>
 
+#include "enamel/identify/identify.hpp"
 #include "identify/simulation.hpp"
 #include "identify/spectrum.hpp"
 
@@ -30,8 +31,8 @@ class Fit {
   DeviceModel model() const { return modelAt(reference_, unknowns_, x); }
   DeviceModel& reference() noexcept { return reference_; }
 
-  /// Use at most `seconds` of the data. Infinite: all.
-  void use(double seconds);
+  /// Use the data from `begin` s to `end` s, counted over all motions. Infinite: to their end.
+  void use(double begin, double end);
 
   /// Take at most `steps` steps of Gauss and Newton. `isRelative` weights each band by the power of the reading: for a
   /// model that is far from the device. `keepsSlopes` reuses the derivatives of the last call.
@@ -48,11 +49,16 @@ class Fit {
   /// Return the share of the variance of the torque that the model explains below 20 Hz, for each joint.
   Eigen::VectorXd explained();
 
+  /// Return the traces of the first piece.
+  IdentificationTraces traces();
+
   /// Return the torque that would explain the residual of the first piece, for each joint, whitened. whitenTorque()
   /// applies the same filter to another torque. residualReading() is the reading there, one row per joint.
   std::vector<Eigen::VectorXd> whiteTorque();
   Eigen::VectorXd whitenTorque(Eigen::Index joint, const Eigen::VectorXd& torque) const;
   const Eigen::MatrixXd& residualReading() const noexcept { return reading_; }
+  /// Return the commands that acted there after a delay, ticks, one row per joint.
+  Eigen::MatrixXd residualCommand(int delay) const;
   /// Return the period of the ticks, s.
   double period() const noexcept { return motions_.front().period; }
 
@@ -72,7 +78,8 @@ class Fit {
  private:
   struct Piece {
     const RecordedMotion* motion;
-    Eigen::Index first, count;  // ticks; the first ones are skipped as transient
+    Eigen::Index start;         // tick where the simulation begins
+    Eigen::Index first, count;  // ticks whose residuals count; those before are transient
     std::unique_ptr<Spectrum> spectrum;
   };
   using Residuals = std::vector<Eigen::MatrixXd>;            // per piece, joints x ticks

@@ -8,6 +8,7 @@
 #include "enamel/sim/plant_maker.hpp"
 #include "enamel/study/parallel.hpp"
 #include "identify/cogging.hpp"
+#include "identify/diagnosis.hpp"
 #include "identify/fit.hpp"
 #include "identify/wiring.hpp"
 
@@ -19,7 +20,9 @@ using namespace identify;
 constexpr double kFirstDelay = 1.5;        // ticks, where the search begins
 constexpr double kCoarseData = 8.0;        // s, for the first steps
 constexpr double kMostData = 40.0;         // s, for the last ones
-constexpr double kCertain = 8.0;           // difference of the log likelihood to the second best delay
+constexpr double kShare = 0.8;             // of the data for the fit; the rest tests it
+constexpr double kLeastExplained = 0.9;    // of the variance of each torque
+constexpr double kCertain = 30.0;          // difference of the log likelihood to the second best delay
 constexpr double kLongestLag = 2e-3;       // s, of slideDelay()
 constexpr double kSlide = 0.15;            // ticks, its steps
 constexpr int kMostSpread = 3;             // ticks, of a random delay
@@ -185,15 +188,31 @@ void addEstimates(Fit& fit, const DeviceModel& before, Identification& result) {
   addCoggingAmplitudes(fit, covariance, result.estimates);
 }
 
-void addStatistics(Fit& fit, const std::vector<RecordedMotion>& motions, Identification& result) {
+double durationOf(const std::vector<RecordedMotion>& motions) {
+  double sum = 0.0;
+  for (const RecordedMotion& motion : motions) sum += static_cast<double>(motion.ticks()) * motion.period;
+  return sum;
+}
+
+// `end` is the end of the data of the fit, s.
+void addStatistics(Fit& fit, const std::vector<RecordedMotion>& motions, double end, Identification& result) {
   double lost = 0.0, ticks = 0.0;
   for (const RecordedMotion& motion : motions) {
     ticks += static_cast<double>(motion.ticks());
     lost += static_cast<double>(std::count(motion.isSample.begin(), motion.isSample.end(), 0));
   }
   result.lostSamples = lost / ticks;
-  result.explained = fit.explained();
   result.noise = fit.noise();
+  fit.use(end, std::numeric_limits<double>::infinity());
+  result.explained = fit.explained();
+  result.traces = fit.traces();
+  for (Eigen::Index i = 0; i < result.explained.size() && result.problems.empty(); ++i)
+    if (!(result.explained[i] > kLeastExplained))
+      result.problems.push_back("the result explains only " + formatNumber(std::round(100.0 * result.explained[i])) +
+                                " % of the torque of " + jointName(result.device, static_cast<int>(i)) +
+                                " in the last part of the recording: something else moved the tool, such as a hand");
+  if (fit.restarts > 0)
+    result.problems.push_back("the fitted device leaves its workspace: the recording and the device file do not fit");
 }
 
 // The device with the numbers of its drives that a file can have: one for all joints.
@@ -202,7 +221,10 @@ DeviceParameters withDrive(DeviceModel model) {
   e.coulombFriction = model.coulomb.mean();
   e.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt().mean();
   e.currentBandwidth = model.lag > 0.0 ? 1.0 / (2.0 * M_PI * model.lag) : 0.0;
-  if (auto* tau = std::get_if<TauParameters>(&model.device)) tau->imperfections = e;
+  if (auto* tau = std::get_if<TauParameters>(&model.device)) {
+    tau->imperfections = e;
+    scaleLinks(model.links, *tau);
+  }
   if (auto* delta = std::get_if<DeltaParameters>(&model.device)) delta->imperfections = e;
   return model.device;
 }
@@ -223,7 +245,7 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   if (!result.isUsable()) return result;
   Fit fit(file, unknownsOf(file), motions, options.threads > 0 ? options.threads : availableThreads());
   fit.x = startOf(fit, wiring.scale);
-  fit.use(kCoarseData);
+  fit.use(0.0, kCoarseData);
   fit.improve(3, true);
   for (int round = 0; round < 3; ++round) {
     slideDelay(fit);
@@ -232,13 +254,12 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   addCogging(fit);
   result.delay = chooseDelay(fit);
   fit.improve(4, false);
-  fit.use(kMostData);
-  fit.improve(3, false);
-  fit.improve(3, false, true);
+  const double end = std::min(kMostData, kShare * durationOf(motions));
+  fit.use(0.0, end);
+  fit.improve(8, false);
   addEstimates(fit, file, result);
-  addStatistics(fit, motions, result);
-  if (fit.restarts > 0)
-    result.problems.push_back("the fitted device leaves its workspace: the recording and the device file do not fit");
+  result.problems = diagnose(fit, result.delay.low);
+  addStatistics(fit, motions, end, result);
   result.device = withDrive(fit.model());
   return result;
 }
@@ -266,7 +287,7 @@ std::vector<Estimate> expectedPrecision(const Excitation& excitation, const Devi
   const std::vector<RecordedMotion> motions = motionsOf(ticks, excitation.period, mechanism->joints());
   const DeviceModel model = modelOf(device);
   Fit fit(model, unknownsOf(model), motions, options.threads > 0 ? options.threads : availableThreads());
-  fit.use(kMostData);
+  fit.use(0.0, kMostData);
   Identification result;
   result.device = device;
   addEstimates(fit, model, result);

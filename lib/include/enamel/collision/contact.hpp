@@ -32,6 +32,7 @@ inline constexpr int kMaxContacts = 8;
 struct ContactSnapshot {
   std::array<Contact, kMaxContacts> contacts{};
   int count = 0;
+  int omitted = 0;  ///< shallower contacts within the margin for which there was no room
 };
 
 }  // namespace enamel

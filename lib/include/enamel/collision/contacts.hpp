@@ -44,6 +44,7 @@ ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 inline constexpr double kFarthestTool = 1e7;
 
 /// Find all contacts with a gap of at most `margin` (m): the deepest first, then by obstacle, at most kMaxContacts.
+/// `omitted` counts the others.
 ///
 /// Sphere outside an obstacle: one contact at each local minimum of the distance |p - x| from its centre p to the
 /// surface. Minima with directions within 15 deg of each other count as one. For a solid this limit is 30 deg, and if

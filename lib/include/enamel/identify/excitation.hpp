@@ -1,12 +1,15 @@
 // A motion that shows the numbers of a device: design, file, and its run on a device.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "enamel/render/tick.hpp"
+#include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/sim/virtual_device.hpp"
 
 namespace enamel {
@@ -62,6 +65,30 @@ Vec6 wrenchAt(const Excitation& excitation, double time, const Pose& pose, const
 /// Return options of the guard for an excitation on a device: its force, moment, box and speeds. The energy may be that
 /// of the motion, because nobody touches a wall. Throws Error as guardFor(). Realtime: no.
 GuardOptions guardFor(const Mechanism& mechanism, const Excitation& excitation);
+
+/// Plays an excitation in a HapticLoop, as HapticLoopOptions::sink. It sets the effect of each tick of `haptics`, which
+/// must be those of the loop, with the guard options guardFor(mechanism, excitation). It stops for good at the end,
+/// when the user lets go of the enable switch, and at a fault of the guard.
+class ExcitationPlayer final : public TickSink {
+ public:
+  /// `next` receives every tick too, for example a Recorder; null: nothing does.
+  ExcitationPlayer(Excitation excitation, HapticTick& haptics, TickSink* next) noexcept
+      : excitation_(std::move(excitation)), haptics_(haptics), next_(next) {}
+
+  /// Realtime: yes.
+  void before(Measurement& measurement) noexcept override;
+  void tick(const LoopTick& tick, const HapticTick& haptics) noexcept override;
+
+  /// Return whether it has stopped. Threads: any.
+  bool isOver() const noexcept { return isOver_.load(); }
+
+ private:
+  Excitation excitation_;
+  HapticTick& haptics_;
+  TickSink* next_;
+  double begin_ = -1.0;  // s, of the first tick; negative: none yet
+  std::atomic<bool> isOver_{false};
+};
 
 /// Receives each tick of runExcitation(). The number is counted from 0.
 using ExcitationTick = std::function<void(std::uint64_t number, const Measurement& measurement,

@@ -33,14 +33,27 @@ struct DelayEstimate {
   std::string second;      ///< the second best delay, such as "2" or "1..3"
 };
 
+/// The part of the data that the fit does not use, and its prediction. Column i belongs to tick i; one row per joint.
+struct IdentificationTraces {
+  double period = 0.0;             ///< s
+  std::vector<std::string> joint;  ///< names of the rows: "joint 2", "axis y", "rotation about y"
+  /// Command below 20 Hz, and the torque that gives the model the recorded motion, N m or N. Both fade in and out.
+  Eigen::MatrixXd torque, explained;
+  Eigen::VectorXd frequency;  ///< Hz, of the columns of `residual`
+  Eigen::MatrixXd residual;   ///< reading minus prediction, rad/sqrt(Hz) or m/sqrt(Hz)
+};
+
 /// Result of an identification.
 struct Identification {
   DeviceParameters device;  ///< with the estimates that are keys of the file and are seen
   std::vector<Estimate> estimates;
   DelayEstimate delay;
-  double lostSamples = 0.0;           ///< share of the ticks without a sample
-  Eigen::VectorXd noise;              ///< of each reading, standard deviation above 100 Hz, rad or m
-  Eigen::VectorXd explained;          ///< share of the variance of each torque that the result explains
+  double lostSamples = 0.0;  ///< share of the ticks without a sample
+  Eigen::VectorXd noise;     ///< of each reading, standard deviation above 100 Hz, rad or m
+  /// Share of the variance of each torque below 20 Hz that the result explains, in the last fifth of the data or more.
+  /// The fit does not use that part.
+  Eigen::VectorXd explained;
+  IdentificationTraces traces;        ///< empty if the wiring is wrong
   std::vector<std::string> problems;  ///< in words; if there are any, `device` is not an estimate
 
   bool isUsable() const noexcept { return problems.empty(); }
