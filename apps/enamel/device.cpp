@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -11,13 +10,11 @@
 
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/device/device_file.hpp"
-#include "enamel/device/nominal_device.hpp"
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/runtime/udp_device.hpp"
+#include "enamel/session/open_device.hpp"
 #include "enamel/session/session.hpp"
 #include "enamel/sim/hand.hpp"
-#include "enamel/sim/simulated_device.hpp"
 #include "program/interrupt.hpp"
 #include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
@@ -26,8 +23,8 @@ namespace enamel::app {
 namespace {
 
 struct DeviceOptions {
-  bool serve = false, overwrite = false;
-  std::string connect, device, scene, key, record, renderer = kPositionControl;
+  bool overwrite = false;
+  std::string serve, connect, scene, key, record, renderer = kPositionControl;
   ServeOptions server;
   double rate_Hz = 1000.0, duration = 0.0, force = kUnlimited;
 };
@@ -75,22 +72,22 @@ WrenchFunction scriptedHand() {
   };
 }
 
-void serve(const DeviceOptions& options, const Mechanism& mechanism) {
-  VirtualDeviceSetup setup;
-  setup.start.position.z() = 0.005;
-  setup.period = 1.0 / options.rate_Hz;
-  setup.encoders = {true, RateSource::difference, 100.0};
-  SimulatedDevice device(mechanism, setup, scriptedHand(), true);
-  ServeOptions how = options.server;
-  how.period = setup.period;
+void serve(const DeviceOptions& options) {
+  OpenDeviceOptions how;
+  how.period = 1.0 / options.rate_Hz;
+  how.start.emplace().position.z() = 0.005;
+  how.hand = scriptedHand();
+  const OpenedDevice opened = openDevice(options.serve, how);
+  ServeOptions server = options.server;
+  server.period = how.period;
   const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
-  const DeviceServer server(device, mechanism, how);
-  fmt::print("{} at {}:{}, {} Hz, {}\n", mechanism.name(), how.address, server.port(), options.rate_Hz,
-             how.link.key ? "with a key" : "without a key");
+  const DeviceServer serving(*opened.device, *opened.mechanism, server);
+  fmt::print("{} at {}:{}, {} Hz, {}\n", opened.mechanism->name(), server.address, serving.port(), options.rate_Hz,
+             server.link.key ? "with a key" : "without a key");
   std::fflush(stdout);
   wait(options.duration);
-  print(server.timing());
-  print(server.counts(), "measurement to command");
+  print(serving.timing());
+  print(serving.counts(), "measurement to command");
 }
 
 // Counts ticks by the guard's reason.
@@ -115,41 +112,13 @@ class Tally {
   double force_ = 0.0;
 };
 
-// Wait for the first measurement, so that no recording starts without a server.
-void awaitServer(UdpDevice& device, const std::string& where) {
-  Measurement measurement;
-  for (int ms = 0; device.measure(measurement) != Status::ok; ++ms) {
-    if (ms == 1000)
-      throw Error(where +
-                  ": no measurement within 1 s; the server needs the same --key and --device, and no other client");
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-}
-
 void connect(const DeviceOptions& options) {
-  const std::size_t colon = options.connect.rfind(':');
-  const std::string host = options.connect.substr(0, colon);
-  std::uint16_t port = kDevicePort;
-  if (colon != std::string::npos) {
-    const char *at = options.connect.data() + colon + 1, *end = options.connect.data() + options.connect.size();
-    const auto [rest, error] = std::from_chars(at, end, port);
-    if (error != std::errc{} || rest != end || port == 0)
-      throw Error("--connect is \"" + options.connect + "\", must be HOST or HOST:PORT with a port in 1 to 65535");
-  }
-  if (!options.record.empty() && options.device.empty())
-    throw Error("--record needs --device: the recording contains the device file");
-
   SessionDef def;
-  def.device = options.device;
+  def.device = options.connect;
   def.scene = options.scene;
   def.renderer = options.renderer;
   def.pluginFolder = pluginFolder();
-  // A command over UDP acts one or two ticks after its measurement.
-  if (const RendererSource source = findRenderer(options.renderer, def.pluginFolder);
-      !source.plugin && source.name == kPositionControl)
-    def.parameters = {{"delay", "1"}, {"delay-high", "2"}};
   def.rate = options.rate_Hz;
-  def.poll = std::max(1e-4, 0.25 / options.rate_Hz);  // faster than the server, which has its own clock
   def.maxForce = options.force;
   Tally tally;
   bool hasTicked = false;
@@ -160,16 +129,12 @@ void connect(const DeviceOptions& options) {
   Session session(def);
   for (const std::string& note : session.notes()) fmt::print(stderr, "{}\n", note);
   if (options.scene.empty()) (void)session.add({flatWall().obstacles()[0]});
-  LinkOptions link = options.server.link;
-  link.joints = session.mechanism().joints();
-  UdpDevice device(host, port, link);
-  awaitServer(device, options.connect);
   if (!options.record.empty()) {
     removeOld(options.record, options.overwrite);
     session.record(options.record);
   }
   const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
-  session.start(device);
+  session.start();
   const HapticLoop& loop = *session.loop();
   fmt::print("{} at {}: {}, memory {}\n", session.mechanism().name(), options.connect, options.renderer,
              loop.memoryLocked() ? "locked" : "not locked: the system refused");
@@ -180,7 +145,8 @@ void connect(const DeviceOptions& options) {
   print("age of the command", loop.age());
   fmt::print("periods without a new measurement {}, commands not sent {}\n", loop.held(), loop.unsent());
   session.stop();
-  print(device.counts(), "command to measurement");
+  if (const auto* udp = dynamic_cast<const UdpDevice*>(session.opened().device.get()))
+    print(udp->counts(), "command to measurement");
   if (!options.record.empty()) {
     const RecordingResult recorded = session.stopRecording();
     if (!recorded.problem.empty()) throw Error(fmt::format("{} ({} ticks are lost)", recorded.problem, recorded.lost));
@@ -195,11 +161,9 @@ void connect(const DeviceOptions& options) {
 }
 
 void run(DeviceOptions options) {
-  if (options.serve == !options.connect.empty()) throw Error("give either --serve or --connect HOST:PORT");
+  if (options.serve.empty() == options.connect.empty()) throw Error("give either --serve URL or --connect URL");
   if (!options.key.empty()) options.server.link.key = readKey(options.key);
-  if (!options.serve) return connect(options);
-  serve(options,
-        *makeMechanism(options.device.empty() ? DeviceParameters(nominalDevice()) : loadDevice(options.device)));
+  options.serve.empty() ? connect(options) : serve(options);
 }
 
 }  // namespace
@@ -208,20 +172,22 @@ void addDevice(CLI::App& app) {
   auto options = std::make_shared<DeviceOptions>();
   CLI::App* command = app.add_subcommand(
       "device",
-      "Uses a device over UDP: --serve serves a virtual device in real time, moved by a simulated hand; --connect runs "
-      "a\nhaptic loop on a served device. Both print statistics at the end. The protocol: lib/docs/device.md.");
-  CLI::Option* serve =
-      command->add_flag("--serve", options->serve, "serve a virtual device until --duration or a signal");
-  CLI::Option* connect = command->add_option("--connect", options->connect, "HOST or HOST:PORT of the server");
-  command->add_option("--device", options->device,
-                      "device file (TOML), the same on both sides; default: the nominal TAU");
+      "Uses a device: --connect runs a haptic loop on it; --serve gives it to a loop in another process or machine, "
+      "over\nUDP. Both print statistics at the end. enamel devices lists the URLs. The protocol: lib/docs/device.md.");
+  CLI::Option* serve = command->add_option("--serve", options->serve,
+                                           "URL of the device to serve until --duration or a signal; virtual: is the "
+                                           "nominal TAU, moved by a simulated hand");
+  CLI::Option* connect = command->add_option("--connect", options->connect, "URL of the device to run");
   command->add_option("--port", options->server.port, "port of the server; 0: any free port")
       ->capture_default_str()
       ->needs(serve);
   command->add_option("--bind", options->server.address, "address of the server; any other than 127.0.0.1 needs --key")
       ->capture_default_str()
       ->needs(serve);
-  command->add_option("--key", options->key, "file with the shared key of both sides, 32 hexadecimal digits");
+  command
+      ->add_option("--key", options->key,
+                   "file with the key of the server and its clients, 32 hexadecimal digits; clients have it in the URL")
+      ->needs(serve);
   command->add_option("--rate", options->rate_Hz, "rate of the device's ticks, Hz, the same on both sides")
       ->check(CLI::Range(500.0, 10000.0))
       ->capture_default_str();

@@ -335,6 +335,9 @@ namespace Enamel
         public static extern int enamel_message(IntPtr session, EnamelMessage message);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_start(IntPtr session);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_start_device(IntPtr session, ref EnamelDevice device);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
@@ -530,6 +533,9 @@ namespace Enamel
             Marshal.FreeHGlobal(message.text);
             throw new EnamelException(reason);
         }
+
+        /// Run the loop with the device whose URL is `device` of the definition, such as virtual:FILE.
+        public void Start() { Check(Native.enamel_start(handle)); }
 
         /// Run the loop with a simulated device. `hand` runs on the loop's thread; null: it pushes along -z with 1 N.
         public void StartVirtual(EnamelHand hand = null)

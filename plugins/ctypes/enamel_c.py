@@ -421,6 +421,7 @@ _FUNCTIONS = {
     "enamel_session_create": (c_int32, [POINTER(EnamelSessionDef), POINTER(c_void_p), EnamelMessage]),
     "enamel_session_destroy": (None, [c_void_p]),
     "enamel_message": (c_int32, [c_void_p, EnamelMessage]),
+    "enamel_start": (c_int32, [c_void_p]),
     "enamel_start_device": (c_int32, [c_void_p, POINTER(EnamelDevice)]),
     "enamel_start_virtual": (c_int32, [c_void_p, EnamelHand, c_void_p]),
     "enamel_stop": (c_int32, [c_void_p]),
@@ -607,6 +608,10 @@ class Session:
     def reset(self):
         """Continue after a fault of the guard."""
         self.call("reset")
+
+    def start(self):
+        """Run the loop on the device whose URL is `device` of the definition, such as virtual:FILE."""
+        self.call("start")
 
     def start_virtual(self, hand=None):
         """Run the loop on a simulated device. `hand` is an EnamelHand; it must be fast: it runs in the loop."""

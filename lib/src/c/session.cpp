@@ -175,6 +175,10 @@ std::int32_t enamel_message(EnamelSession* session, EnamelMessage message) {
   return ENAMEL_OK;
 }
 
+std::int32_t enamel_start(EnamelSession* session) {
+  return run(session, [](Session& s) { s.start(); });
+}
+
 std::int32_t enamel_start_device(EnamelSession* session, const EnamelDevice* device) {
   return runWith(session, device != nullptr, [&](Session& s) { s.start(c::makeDevice(*device, session->joints)); });
 }

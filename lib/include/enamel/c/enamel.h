@@ -157,7 +157,7 @@ typedef struct EnamelDevice {
 typedef struct EnamelSessionDef {
   uint32_t size;
   int32_t clutch_button;            /* -1: none */
-  const char* device;               /* device file; NULL: mechanism, or the nominal TAU */
+  const char* device;               /* device file, or URL for enamel_start(); NULL: mechanism, or the nominal TAU */
   const EnamelMechanism* mechanism; /* NULL: none. Its `user` must outlive the session */
   const char* scene;                /* scene file; NULL: no obstacles at first */
   const EnamelTool* tool;           /* NULL: that of the scene file, or a point */
@@ -308,13 +308,15 @@ ENAMEL_API void enamel_session_destroy(EnamelSession* session);
 /* Copy the reason of the last error of this session. Any thread. */
 ENAMEL_API int32_t enamel_message(EnamelSession* session, EnamelMessage message);
 
-/* Run a loop in a thread of its own: with an own device, or with a simulated one that `hand` holds. `hand` gives the
+/* Run a loop in a thread of its own: with the device whose URL is EnamelSessionDef.device, with an own device, or with
+ * a simulated one that `hand` holds. `enamel devices` lists the forms of URLs. `hand` gives the
  * wrench on the tool at the TCP (N, N m) in the device's frame, on the loop's thread. NULL: it pushes along -z with
  * 1 N, to 20 mm behind the start, and holds the tool across. `device->user` and `user` must live until enamel_stop().
  * hand and before_tick must not call functions of the session, except enamel_tick_...(). A device whose measure does
  * not return blocks start and stop. enamel_reset() does not bring a simulated device back that has left its workspace:
  * stop and start. Owner. */
 typedef void (*EnamelHand)(void* user, double time, const EnamelPose* pose, const double* twist, double* wrench);
+ENAMEL_API int32_t enamel_start(EnamelSession* session);
 ENAMEL_API int32_t enamel_start_device(EnamelSession* session, const EnamelDevice* device);
 ENAMEL_API int32_t enamel_start_virtual(EnamelSession* session, EnamelHand hand, void* user);
 

@@ -38,7 +38,7 @@ struct SessionObstacle : Obstacle {
 
 /// Definition of a session. Every member has a default.
 struct SessionDef {
-  std::string device;                          ///< device file; empty: `mechanism`
+  std::string device;                          ///< device file, or URL for openDevice(); empty: `mechanism`
   std::shared_ptr<const Mechanism> mechanism;  ///< null: the nominal TAU
   std::string scene;                           ///< scene file; empty: no obstacles at first
   std::optional<Tool> tool;                    ///< empty: that of the scene file, or a point
