@@ -77,6 +77,7 @@ void serve(const DeviceOptions& options) {
   how.period = 1.0 / options.rate_Hz;
   how.start.emplace().position.z() = 0.005;
   how.hand = scriptedHand();
+  how.pluginFolder = pluginFolder();
   const OpenedDevice opened = openDevice(options.serve, how);
   ServeOptions server = options.server;
   server.period = how.period;
@@ -134,7 +135,7 @@ void connect(const DeviceOptions& options) {
     session.record(options.record);
   }
   const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
-  session.start();
+  session.startOpened();
   const HapticLoop& loop = *session.loop();
   fmt::print("{} at {}: {}, memory {}\n", session.mechanism().name(), options.connect, options.renderer,
              loop.memoryLocked() ? "locked" : "not locked: the system refused");

@@ -57,7 +57,7 @@ TEST_CASE("a refusal names the URL, the cause and what is possible", "[open_devi
     CHECK_THROWS_WITH(openDevice(url), ContainsSubstring('"' + url + '"') && ContainsSubstring(message));
   };
   refuses("tau.toml", "the scheme is missing; possible are virtual:FILE, udp://HOST:PORT");
-  refuses("mouse://0", "unknown scheme \"mouse\"; possible are virtual:FILE, udp://HOST:PORT");
+  refuses("mouse://0", "unknown driver \"mouse\": no plugin folder is given");
   refuses("virtual:?seed=1", "unknown option \"seed\", virtual has no options");
   refuses("udp://localhost?devise=a", "unknown option \"devise\", possible are device, key");
   refuses("udp://localhost?device", "option \"device\" must be KEY=VALUE");
@@ -118,8 +118,8 @@ TEST_CASE("a session runs the device of its URL, again after stop()", "[open_dev
   (void)session.add({flatWall().obstacles()[0]});
   session.record(folder / "a.rec");
   for (int i = 0; i < 2; ++i) {
-    session.start();
-    CHECK_THROWS_WITH(session.start(), ContainsSubstring("already running"));
+    session.startOpened();
+    CHECK_THROWS_WITH(session.startOpened(), ContainsSubstring("already running"));
     // The hand pushes it from 2 mm in front of the wall onto it.
     REQUIRE(test::eventually([&] { return session.snapshot().tick.mode == RenderMode::contact; }));
     CHECK(session.snapshot().fault == GuardReason::none);
@@ -129,9 +129,9 @@ TEST_CASE("a session runs the device of its URL, again after stop()", "[open_dev
 
   def.device = kStylus;
   Session ofFile(def);
-  CHECK_THROWS_WITH(ofFile.start(), ContainsSubstring("needs a URL as SessionDef::device"));
+  CHECK_THROWS_WITH(ofFile.startOpened(), ContainsSubstring("needs a URL as SessionDef::device"));
   def.device = "mouse://0";
-  CHECK_THROWS_WITH(Session(def), ContainsSubstring("unknown scheme \"mouse\""));
+  CHECK_THROWS_WITH(Session(def), ContainsSubstring("unknown driver \"mouse\""));
 }
 
 TEST_CASE("position control of a session knows the delay of the URL's device", "[open_device]") {
@@ -141,18 +141,15 @@ TEST_CASE("position control of a session knows the delay of the URL's device", "
   Session session(def);
   (void)session.add({flatWall().obstacles()[0]});
   const test::TemporaryFolder folder;
-  const auto delayOf = [&](const std::string& name) {
+  const auto header = [&](const std::string& name) {
     session.record(folder / name);
     (void)session.stopRecording();
-    const std::string text = readFile(folder / name);
-    const std::size_t at = text.find("\"delay-high\":");
-    return at == std::string::npos ? std::string("none") : text.substr(at + 13, 3);
+    return readFile(folder / name);
   };
-  CHECK(delayOf("a.rec") == "\"2\"");
+  CHECK_THAT(header("a.rec"), ContainsSubstring("\"delay-high\": \"2\""));
   session.setRenderer("position-control", {{"delay", "0"}});
-  CHECK(delayOf("b.rec") == "none");
-  session.start();
-  CHECK(session.loop()->timing().periods.load() < 1000000);
+  CHECK_THAT(header("b.rec"), !ContainsSubstring("delay-high"));
+  session.startOpened();
   REQUIRE(test::eventually([&] { return session.snapshot().tick.number > 50; }));
   session.stop();
 }

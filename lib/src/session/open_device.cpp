@@ -10,6 +10,7 @@
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/device/nominal_device.hpp"
+#include "enamel/plugin/driver_host.hpp"
 #include "enamel/runtime/udp_device.hpp"
 
 namespace enamel {
@@ -121,8 +122,29 @@ constexpr Scheme kSchemes[] = {
 
 std::string possibleForms() {
   std::string list;
-  for (const DeviceListing& row : listDevices()) list += (list.empty() ? "" : ", ") + row.url;
-  return list;
+  for (const Scheme& scheme : kSchemes) list += std::string(scheme.form) + ", ";
+  return list + "and NAME://ADDRESS of a driver plugin";
+}
+
+OpenedDevice openWithDriver(DeviceUrl url, const OpenDeviceOptions& options) {
+  const auto library = findDriver(url.scheme, options.pluginFolder);
+  const std::string file = optionOf(url, "device");
+  url.options.erase("device");
+  DriverDevice driver = connectDriver(library, url.address, url.options);
+  OpenedDevice opened;
+  if (file.empty()) {
+    opened.text = driver.text;
+    opened.mechanism = driver.mechanism;
+  } else {
+    opened = describe(file);
+    require(opened.mechanism->joints() == driver.mechanism->joints(),
+            file + " has " + std::to_string(opened.mechanism->joints()) + " joints, the connected device has " +
+                std::to_string(driver.mechanism->joints()));
+  }
+  opened.delay = {driver.delayLow, driver.delayHigh};
+  opened.hasOwnClock = driver.hasOwnClock;
+  opened.device = std::move(driver.device);
+  return opened;
 }
 
 }  // namespace
@@ -152,15 +174,17 @@ DeviceUrl parseDeviceUrl(const std::string& text) {
 
 OpenedDevice openDevice(const std::string& text, const OpenDeviceOptions& options) {
   const DeviceUrl url = parseDeviceUrl(text);
-  for (const Scheme& scheme : kSchemes)
-    if (url.scheme == scheme.name) return naming(url, [&] { return scheme.open(url, options); });
-  refuse(url, "unknown scheme \"" + url.scheme + "\"; possible are " + possibleForms());
+  return naming(url, [&] {
+    for (const Scheme& scheme : kSchemes)
+      if (url.scheme == scheme.name) return scheme.open(url, options);
+    return openWithDriver(url, options);
+  });
 }
 
-std::vector<DeviceListing> listDevices() {
-  std::vector<DeviceListing> rows;
-  for (const Scheme& scheme : kSchemes) rows.push_back({scheme.form, scheme.summary});
-  return rows;
+std::vector<DeviceForm> builtInDevices() {
+  std::vector<DeviceForm> forms;
+  for (const Scheme& scheme : kSchemes) forms.push_back({scheme.form, scheme.summary});
+  return forms;
 }
 
 }  // namespace enamel

@@ -60,7 +60,10 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
   require(def.device.empty() || !def.mechanism, "session: a device and a mechanism exclude each other");
   period = 1.0 / def.rate;
   if (isDeviceUrl(def.device)) {
-    opened = openDevice(def.device, {period});
+    OpenDeviceOptions options;
+    options.period = period;
+    options.pluginFolder = def.pluginFolder;
+    opened = openDevice(def.device, options);
     deviceFile = opened.file;
     deviceText = opened.text;
     device = opened.mechanism;
@@ -262,16 +265,20 @@ Session::Session(const SessionDef& def) : impl_(std::make_unique<Impl>(def)) {}
 
 Session::~Session() { stop(); }
 
-void Session::start() {
+void Session::startOpened() {
   const std::string& url = impl_->def.device;
   require(impl_->opened.device != nullptr,
-          "session: start() without a device needs a URL as SessionDef::device, such as virtual:FILE");
+          "session: startOpened() needs a URL as SessionDef::device, such as virtual:FILE");
   {
     const Lock lock = impl_->lock();
     require(!impl_->isLive(), "session: it is already running; call stop() first");
     // A virtual device begins at rest at the start of the tool. Others are where the user's hand is.
-    if (parseDeviceUrl(url).scheme == kVirtualScheme)
-      impl_->opened.device = openDevice(url, {impl_->period, start()}).device;
+    if (parseDeviceUrl(url).scheme == kVirtualScheme) {
+      OpenDeviceOptions options;
+      options.period = impl_->period;
+      options.start = start();
+      impl_->opened = openDevice(url, options);
+    }
   }
   start(*impl_->opened.device);
 }

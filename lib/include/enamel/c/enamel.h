@@ -24,7 +24,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "enamel/plugin/abi.h"
+#include "enamel/plugin/driver.h"
 
 #if defined(_WIN32)
 #if defined(ENAMEL_BUILDS_DLL)
@@ -97,23 +97,6 @@ typedef struct EnamelBur {
   double turns; /* per second */
 } EnamelBur;
 
-/* One measurement of a device. */
-typedef struct EnamelMeasurement {
-  uint32_t size;
-  int32_t age;                       /* periods since the last sample; above 0: q, rates and applied are ignored */
-  double time;                       /* s, strictly increasing */
-  double q[ENAMEL_MAX_JOINTS];       /* rad or m */
-  double rates[ENAMEL_MAX_JOINTS];   /* rad/s or m/s */
-  double applied[ENAMEL_MAX_JOINTS]; /* torque that acted since the last measurement, N m or N */
-  double gripper;                    /* opening angle, rad; see has_gripper */
-  int32_t applied_known;             /* 0: the device does not report it */
-  int32_t has_gripper;
-  int32_t enabled;  /* the user's enable; 1 if the device has none */
-  int32_t failed;   /* 1: the driver cannot continue */
-  uint32_t buttons; /* bit i: button i is pressed */
-  uint32_t reserved;
-} EnamelMeasurement;
-
 /* State of a device as an own mechanism computes it. See EnamelTickInput for jacobian and inverse. */
 typedef struct EnamelKinematics {
   double q[ENAMEL_MAX_JOINTS];
@@ -141,18 +124,6 @@ typedef struct EnamelMechanism {
   int32_t (*reach)(void* user, const EnamelPose* pose, const double* twist, EnamelKinematics* state);
 } EnamelMechanism;
 
-/* An own device. measure returns ENAMEL_OK, ENAMEL_STALE (no new sample), or an error. All but measure and actuate may
- * be NULL. measure and actuate run on the loop's thread and must be safe in real time. */
-typedef struct EnamelDevice {
-  uint32_t size;
-  uint32_t reserved;
-  void* user;
-  int32_t (*open)(void* user, EnamelMessage message);
-  void (*close)(void* user);
-  int32_t (*measure)(void* user, EnamelMeasurement* measurement);
-  int32_t (*actuate)(void* user, const double* effort, int32_t joints);
-} EnamelDevice;
-
 /* Definition of a session. enamel_session_defaults() fills it in. Texts and pointers are read during create only. */
 typedef struct EnamelSessionDef {
   uint32_t size;
@@ -166,7 +137,7 @@ typedef struct EnamelSessionDef {
   const char* renderer;             /* name of a linked renderer or a plugin, or a plugin's path */
   const EnamelParameter* parameters;
   size_t parameter_count;
-  const char* plugin_folder;  /* NULL: plugins by path only */
+  const char* plugin_folder;  /* of renderers and drivers; NULL: renderers by path only, no drivers */
   double rate;                /* Hz */
   const EnamelPose* base;     /* of the device in the scene; NULL: frames are the same */
   double scale;               /* metres of the tool per metre of the device */

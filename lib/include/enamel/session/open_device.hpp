@@ -1,7 +1,8 @@
 // Devices by URL: one string for the tool, sessions, C and Python.
 //
-//   virtual:FILE                            a simulated device of a device file; without FILE, the nominal TAU
-//   udp://HOST:PORT?device=FILE&key=FILE    a driver in another process, language or machine (lib/docs/device.md)
+//   virtual:FILE                            a simulated device of a device file; without FILE, the nominal TAU.
+//   udp://HOST:PORT?device=FILE&key=FILE    a driver in another process, language or machine (lib/docs/device.md).
+//   NAME://ADDRESS?device=FILE              a driver plugin with this name (plugin/driver.h).
 //
 // Text after "?" gives options. All texts are taken as they are: "%20" is not a space.
 #pragma once
@@ -38,6 +39,7 @@ struct OpenDeviceOptions {
   double period = 1e-3;       ///< of the ticks, s
   std::optional<Pose> start;  ///< where a virtual device begins, at rest; empty: home
   WrenchFunction hand;        ///< that holds a virtual device; empty: pressingHand()
+  std::string pluginFolder;   ///< where drivers are searched by name
 };
 
 /// An open device and what a loop must know about it.
@@ -53,17 +55,16 @@ struct OpenedDevice {
 /// Open a device. A virtual device has the encoders of its file, and moves in real time. Realtime: no.
 /// Throws Error with the URL and the cause:
 /// - an unknown scheme or option; the message lists the possible ones;
-/// - a device file that cannot be read;
-/// - a device that does not answer within 1 s.
+/// - a device file that cannot be read, or has another number of joints than that of the driver;
+/// - a device that cannot be connected, or does not answer within 1 s.
 OpenedDevice openDevice(const std::string& url, const OpenDeviceOptions& options = {});
 
-/// One row of `enamel devices`.
-struct DeviceListing {
-  std::string url;      ///< or its form
-  std::string summary;  ///< what it opens
+/// A form of URLs that is built in.
+struct DeviceForm {
+  std::string form, summary;
 };
 
-/// Return what openDevice() can open. Realtime: no.
-std::vector<DeviceListing> listDevices();
+/// Return the forms of URLs that need no driver. Realtime: no.
+std::vector<DeviceForm> builtInDevices();
 
 }  // namespace enamel

@@ -45,7 +45,7 @@ class Session {
   /// Run a loop with a device in a thread of its own: the one whose URL is SessionDef::device, or this one. The device
   /// must outlive stop(), or the session keeps it until the next start(). Throws Error as HapticLoop, and if the
   /// session is already running. stop() ramps out and ends the loop, or marks the end of an own loop.
-  void start();
+  void startOpened();
   void start(HapticDevice& device);
   void start(std::unique_ptr<HapticDevice> device);
   void stop() noexcept;
