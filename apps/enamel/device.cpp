@@ -115,7 +115,7 @@ class Tally {
 
 void connect(const DeviceOptions& options) {
   SessionDef def;
-  def.device = options.connect;
+  def.device = parseDeviceUrl(options.connect).text;  // not a file
   def.scene = options.scene;
   def.renderer = options.renderer;
   def.pluginFolder = pluginFolder();

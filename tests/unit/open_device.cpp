@@ -57,7 +57,9 @@ TEST_CASE("a refusal names the URL, the cause and what is possible", "[open_devi
     CHECK_THROWS_WITH(openDevice(url), ContainsSubstring('"' + url + '"') && ContainsSubstring(message));
   };
   refuses("tau.toml", "the scheme is missing; possible are virtual:FILE, udp://HOST:PORT");
-  refuses("mouse://0", "unknown driver \"mouse\": no plugin folder is given");
+  refuses(
+      "mouse://0",
+      "unknown driver \"mouse\": no plugin folder is given; a path must end in .so; possible are virtual:FILE, udp://");
   refuses("virtual:?seed=1", "unknown option \"seed\", virtual has no options");
   refuses("udp://localhost?devise=a", "unknown option \"devise\", possible are device, key");
   refuses("udp://localhost?device", "option \"device\" must be KEY=VALUE");

@@ -11,6 +11,7 @@
 #include "core/message.hpp"
 #include "enamel/device/device_file.hpp"
 #include "plugin/instance.hpp"
+#include "plugin/own_device.hpp"
 
 namespace enamel {
 namespace conformance {

@@ -121,13 +121,21 @@ constexpr Scheme kSchemes[] = {
 };
 
 std::string possibleForms() {
-  std::string list;
+  std::string list = "possible are ";
   for (const Scheme& scheme : kSchemes) list += std::string(scheme.form) + ", ";
-  return list + "and NAME://ADDRESS of a driver plugin";
+  return list + "and NAME://ADDRESS of a driver";
+}
+
+std::shared_ptr<const DriverLibrary> driverOf(const DeviceUrl& url, const std::string& folder) {
+  try {
+    return findDriver(url.scheme, folder);
+  } catch (const PluginError& error) {
+    throw Error(std::string(error.what()) + "; " + possibleForms());
+  }
 }
 
 OpenedDevice openWithDriver(DeviceUrl url, const OpenDeviceOptions& options) {
-  const auto library = findDriver(url.scheme, options.pluginFolder);
+  const auto library = driverOf(url, options.pluginFolder);
   const std::string file = optionOf(url, "device");
   url.options.erase("device");
   DriverDevice driver = connectDriver(library, url.address, url.options);
@@ -155,7 +163,7 @@ DeviceUrl parseDeviceUrl(const std::string& text) {
   DeviceUrl url;
   url.text = text;
   const std::size_t colon = schemeLength(text);
-  if (colon == 0) refuse(url, "the scheme is missing; possible are " + possibleForms());
+  if (colon == 0) refuse(url, "the scheme is missing; " + possibleForms());
   url.scheme = text.substr(0, colon);
   const std::size_t question = text.find('?');
   const std::size_t begin = text.compare(colon, 3, "://") == 0 ? colon + 3 : colon + 1;
