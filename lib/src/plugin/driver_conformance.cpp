@@ -14,8 +14,12 @@
 #include "plugin/own_device.hpp"
 
 namespace enamel {
-namespace conformance {
+namespace driver_conformance {
 namespace {
+
+using conformance::demand;
+using conformance::Failure;
+using conformance::nameOf;
 
 using Clock = std::chrono::steady_clock;
 using Verdict = ConformanceResult::Verdict;
@@ -296,11 +300,11 @@ ConformanceResult resultOf(const DriverCheck& check, DriverChecks& checks) {
 }
 
 }  // namespace
-}  // namespace conformance
+}  // namespace driver_conformance
 
 bool checkDriver(const std::shared_ptr<const DriverLibrary>& library, const DriverConformanceOptions& options,
                  const std::function<void(const ConformanceResult&)>& report) {
-  using namespace conformance;
+  using namespace driver_conformance;
   DriverChecks checks(library, options);
   bool allPassed = true;
   const auto run = [&](const DriverCheck& check) {
