@@ -1,21 +1,18 @@
 // The driver of the Haply Inverse3 through the Haply Inverse service: a WebSocket on port 10001 with JSON messages. The
 // service answers each message with one state, so each tick sends one force, and the next tick reads the state that
 // answers it. lib/docs/devices.md has the page. Not yet tried on hardware.
-#include <enamel/plugin/driver.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
 
+#include "../driver_functions.hpp"
 #include "message.hpp"
 #include "web_socket.hpp"
 
@@ -39,10 +36,6 @@ const EnamelParameter kOptions[] = {
 };
 const EnamelDescription kDescription = {"haply", "0.2.0", "Haply Inverse3 through the Haply Inverse service", kOptions,
                                         sizeof kOptions / sizeof kOptions[0]};
-
-double now() noexcept {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // W has x right, y up, z towards the user; the service x right, y forward, z up.
 void toWorld(const Numbers& service, double* world) noexcept {
@@ -130,12 +123,9 @@ class Inverse3 {
 
   std::int32_t actuate(const double* effort, std::int32_t joints) noexcept {
     if (!isOpen_) return ENAMEL_INACTIVE;
-    if (joints != kJoints) return ENAMEL_OUT_OF_RANGE;
+    if (const std::int32_t checked = checkEfforts(effort, joints, kJoints); checked != ENAMEL_OK) return checked;
     std::array<double, kJoints> force{};
-    for (std::size_t i = 0; i < force.size(); ++i) {
-      if (!std::isfinite(effort[i])) return ENAMEL_NOT_FINITE;
-      force[i] = std::clamp(effort[i], -kMaxForce, kMaxForce);
-    }
+    for (std::size_t i = 0; i < force.size(); ++i) force[i] = std::clamp(effort[i], -kMaxForce, kMaxForce);
     if (socket_->isLost()) return ENAMEL_INACTIVE;
     return send(toService(force.data())) ? ENAMEL_OK : ENAMEL_STALE;
   }
@@ -169,7 +159,7 @@ class Inverse3 {
     const std::size_t size = writeForce(id_, force, format_, isFirst_, text_);
     if (size == 0 || !socket_->send({text_.data(), size})) return false;
     isFirst_ = false;
-    sentAt_[sent_++ % kMostUnanswered] = now();
+    sentAt_[sent_++ % kMostUnanswered] = driverClock();
     return true;
   }
 
@@ -198,20 +188,8 @@ Numbers numbersOf(const std::string& text) {
   return numbers;
 }
 
-// Run `work`, and turn exceptions into a result with a message.
-template <typename Work>
-std::int32_t guarded(EnamelMessage message, const Work& work) noexcept {
-  try {
-    work();
-    return ENAMEL_OK;
-  } catch (const std::exception& error) {
-    if (message.text != nullptr && message.size > 0) std::snprintf(message.text, message.size, "%s", error.what());
-    return ENAMEL_BAD_CONFIGURATION;
-  }
-}
-
 std::int32_t list(EnamelMessage devices, EnamelMessage message) noexcept {
-  return guarded(message, [&] {
+  return guardedSetup(message, [&] {
     try {
       const Address address = addressOf("");
       WebSocket socket(address.host, address.port);
@@ -230,31 +208,18 @@ std::int32_t list(EnamelMessage devices, EnamelMessage message) noexcept {
 
 std::int32_t connect(const char* address, const EnamelParameter* options, std::size_t count, EnamelConnected* connected,
                      EnamelMessage message) noexcept {
-  return guarded(message, [&] {
-    std::array<std::string, 3> values;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] = kOptions[i].value;
-      for (std::size_t k = 0; k < count; ++k)
-        if (std::strcmp(options[k].key, kOptions[i].key) == 0) values[i] = options[k].value;
-    }
-    if (values[2] != "3.1" && values[2] != "3.5")
-      throw std::runtime_error("format is \"" + values[2] + "\", must be 3.1 or 3.5");
-    auto device = std::make_unique<Inverse3>(addressOf(address), values[0], numbersOf(values[1]),
-                                             values[2] == "3.5" ? Format::v35 : Format::v31);
+  return guardedSetup(message, [&] {
+    const auto option = [&](std::size_t i) { return optionOf(kOptions[i], options, count); };
+    const std::string format = option(2);
+    if (format != "3.1" && format != "3.5")
+      throw std::runtime_error("format is \"" + format + "\", must be 3.1 or 3.5");
+    auto device = std::make_unique<Inverse3>(addressOf(address), option(0), numbersOf(option(1)),
+                                             format == "3.5" ? Format::v35 : Format::v31);
     connected->joints = kJoints;
     connected->device_file = kDeviceFile;
     connected->delay_low = connected->delay_high = 1;  // a state answers the message of the tick before
     connected->has_own_clock = 0;
-    connected->device = {
-        sizeof(EnamelDevice),
-        0u,
-        device.release(),
-        [](void* user, EnamelMessage why) { return guarded(why, [user] { static_cast<Inverse3*>(user)->open(); }); },
-        [](void* user) { static_cast<Inverse3*>(user)->close(); },
-        [](void* user, EnamelMeasurement* m) { return static_cast<Inverse3*>(user)->measure(*m); },
-        [](void* user, const double* effort, std::int32_t joints) {
-          return static_cast<Inverse3*>(user)->actuate(effort, joints);
-        }};
+    connected->device = deviceTable(device.release());
   });
 }
 
@@ -263,14 +228,6 @@ std::int32_t connect(const char* address, const EnamelParameter* options, std::s
 
 extern "C" const EnamelDriver* enamel_driver(void) {
   using namespace enamel::haply;
-  static const EnamelDriver table = {
-      ENAMEL_DRIVER_ABI_VERSION,
-      sizeof(EnamelDriver),
-      sizeof(EnamelConnected),
-      sizeof(EnamelMeasurement),
-      [] { return &kDescription; },
-      list,
-      connect,
-      [](EnamelConnected* connected) { delete static_cast<Inverse3*>(connected->device.user); }};
+  static const EnamelDriver table = enamel::driverTable<Inverse3>([] { return &kDescription; }, list, connect);
   return &table;
 }
