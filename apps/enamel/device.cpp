@@ -5,13 +5,17 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <iostream>
 #include <memory>
 #include <thread>
 
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/runtime/udp_device.hpp"
+#include "enamel/session/first_touch.hpp"
 #include "enamel/session/open_device.hpp"
 #include "enamel/session/session.hpp"
 #include "enamel/sim/hand.hpp"
@@ -24,7 +28,7 @@ namespace {
 
 struct DeviceOptions {
   bool overwrite = false;
-  std::string serve, connect, scene, key, record, renderer = kPositionControl;
+  std::string serve, connect, firstTouch, output = "first-touch", scene, key, record, renderer = kPositionControl;
   ServeOptions server;
   double rate_Hz = 1000.0, duration = 0.0, force = kUnlimited;
 };
@@ -161,9 +165,45 @@ void connect(const DeviceOptions& options) {
   if (fault != GuardReason::none) throw Error(std::string("stopped by the guard: ") + toString(fault));
 }
 
+// Show a request. Enter continues; a text or the end of the input ends the trial.
+bool confirmed(const std::string& request) {
+  fmt::print("\n{}\n[Enter: continue, any text: end] ", request);
+  std::fflush(stdout);
+  std::string answer;
+  return std::getline(std::cin, answer) && answer.empty();
+}
+
+void touchFirst(const DeviceOptions& options) {
+  const std::string report = options.output + "/report.txt";
+  FirstTouchOptions trial;
+  trial.rate = options.rate_Hz;
+  trial.largestForce = std::min(options.force, trial.largestForce);
+  trial.recording = options.output + "/wall.rec";
+  std::filesystem::create_directories(std::filesystem::u8path(options.output));
+  for (const std::string& file : {report, trial.recording}) {
+    requireFree(file, options.overwrite);
+    removeOld(file, options.overwrite);
+  }
+  OpenDeviceOptions how;
+  how.period = 1.0 / options.rate_Hz;
+  how.pluginFolder = pluginFolder();
+  OpenedDevice opened = openDevice(options.firstTouch, how);
+  fmt::print("{} at {}. Keep the emergency stop within reach.\n", opened.mechanism->name(), options.firstTouch);
+  const FirstTouchResult result = firstTouch(opened, trial, confirmed);
+  const std::string text = fmt::format("{} at {}, enamel {}\n{}", opened.mechanism->name(), options.firstTouch,
+                                       ENAMEL_VERSION, result.report);
+  writeFile(report, text);
+  fmt::print("\n{}report: {}\n", text, report);
+  if (!result.surprise.empty()) throw Error("stopped at the first surprise: " + result.surprise);
+  if (!result.isComplete) throw Error("the trial is not complete");
+}
+
 void run(DeviceOptions options) {
-  if (options.serve.empty() == options.connect.empty()) throw Error("give either --serve URL or --connect URL");
+  const auto given = {!options.serve.empty(), !options.connect.empty(), !options.firstTouch.empty()};
+  if (std::count(given.begin(), given.end(), true) != 1)
+    throw Error("give one of --serve URL, --connect URL and --first-touch URL");
   if (!options.key.empty()) options.server.link.key = readKey(options.key);
+  if (!options.firstTouch.empty()) return touchFirst(options);
   options.serve.empty() ? connect(options) : serve(options);
 }
 
@@ -179,6 +219,12 @@ void addDevice(CLI::App& app) {
                                            "URL of the device to serve until --duration or a signal; virtual: is the "
                                            "nominal TAU, moved by a simulated hand");
   CLI::Option* connect = command->add_option("--connect", options->connect, "URL of the device to run");
+  CLI::Option* touch = command->add_option(
+      "--first-touch", options->firstTouch,
+      "URL of a device to try for the first time: small forces, each confirmed by you; stops at the first surprise");
+  command->add_option("--output", options->output, "folder for the report and the recording of --first-touch")
+      ->capture_default_str()
+      ->needs(touch);
   command->add_option("--port", options->server.port, "port of the server; 0: any free port")
       ->capture_default_str()
       ->needs(serve);
@@ -202,9 +248,10 @@ void addDevice(CLI::App& app) {
   command->add_option("--record", options->record, "file for the recording, for enamel replay and enamel export")
       ->needs(connect);
   command
-      ->add_option("--max-force", options->force, "largest force of the renderer on the tool, limited by the guard, N")
+      ->add_option("--max-force", options->force,
+                   "largest force of the renderer on the tool, limited by the guard, N; with --first-touch 2 or less")
       ->default_str("no limit")
-      ->needs(connect);
+      ->excludes(serve);
   addOverwrite(*command, options->overwrite, {"--record"});
   command->callback([options] { run(*options); });
 }

@@ -29,7 +29,7 @@ std::string devicesOf(const std::string& file) {
   return text;
 }
 
-void list() {
+void listDevices() {
   for (const DeviceForm& built : builtInDevices()) fmt::print("{}\n  {}\n", built.form, built.summary);
   std::error_code ignored;
   const std::string folder = pluginFolder();
@@ -46,7 +46,7 @@ void list() {
 
 void addDevices(CLI::App& app) {
   app.add_subcommand("devices", "Lists the devices that can be opened, by URL, and the reasons why others cannot.")
-      ->callback(list);
+      ->callback(listDevices);
 }
 
 }  // namespace enamel::app

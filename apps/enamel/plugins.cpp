@@ -51,7 +51,7 @@ struct CheckOptions {
   double limit = 20.0;  // s
 };
 
-void print(const ConformanceResult& result) {
+void printCheck(const ConformanceResult& result) {
   const char* verdicts[] = {"passed", "FAILED", "not checked"};
   fmt::print("{:<12} {}{}{}\n", verdicts[static_cast<int>(result.verdict)], result.what,
              result.detail.empty() ? "" : ": ", result.detail);
@@ -70,7 +70,7 @@ bool keepsContract(const CheckOptions& options) {
 #ifdef ENAMEL_COUNTS_ALLOCATIONS
   conformance.allocationCount = &allocationCount;
 #endif
-  return checkPlugin(PluginLibrary::load(options.file), setup, conformance, print);
+  return checkPlugin(PluginLibrary::load(options.file), setup, conformance, printCheck);
 }
 
 bool keepsDriverContract(const CheckOptions& options) {
@@ -81,7 +81,7 @@ bool keepsDriverContract(const CheckOptions& options) {
 #ifdef ENAMEL_COUNTS_ALLOCATIONS
   conformance.allocationCount = &allocationCount;
 #endif
-  return checkDriver(findDriver(options.file, pluginFolder()), conformance, print);
+  return checkDriver(findDriver(options.file, pluginFolder()), conformance, printCheck);
 }
 
 void check(const CheckOptions& options, bool (*keeps)(const CheckOptions&)) {

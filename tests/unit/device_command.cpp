@@ -82,8 +82,8 @@ TEST_CASE("slips in a command line of device are told", "[device_command]") {
     CHECK(result.status != 0);
     CHECK_THAT(result.output, ContainsSubstring(message));
   };
-  refuses("", "give either --serve URL or --connect URL");
-  refuses("--serve virtual: --connect udp://localhost", "give either --serve URL or --connect URL");
+  refuses("", "give one of --serve URL, --connect URL and --first-touch URL");
+  refuses("--serve virtual: --connect udp://localhost", "give one of --serve URL, --connect URL and --first-touch URL");
   refuses("--serve virtual: --bind 0.0.0.0 --duration 0.1",
           "0.0.0.0 can be reached from other machines: give a key, or use 127.0.0.1");
   refuses("--serve virtual: --key /nowhere", "/nowhere");
@@ -113,6 +113,24 @@ TEST_CASE("a virtual device runs in one process, and the forms of URLs are liste
   CHECK(numberAfter(result.output, "ticks in contact ") > 0);
   CHECK(numberAfter(result.output, record + ", ") > 0);
   CHECK_THAT(run("devices").output, ContainsSubstring("virtual:FILE") && ContainsSubstring("udp://HOST:PORT"));
+}
+
+TEST_CASE("a first trial writes its report, and stops at a surprise or at the person's word", "[device_command]") {
+  const test::TemporaryFolder folder;
+  const std::string touch =
+      "'" ENAMEL_TOOL "' device --first-touch 'virtual:" + kStylus + "' --output '" + (folder / "out") + "'";
+  // The simulated hand does not do as it is told.
+  const auto surprised = test::runCommand("yes '' | " + touch);
+  INFO(surprised.output);
+  CHECK(surprised.status != 0);
+  CHECK_THAT(surprised.output, ContainsSubstring("stopped at the first surprise: "));
+  CHECK_THAT(test::readFile(folder / "out/report.txt"),
+             ContainsSubstring("Cartesian, 3 axes at virtual:") && ContainsSubstring("SURPRISE: "));
+  CHECK_THAT(test::runCommand(touch + " < /dev/null").output, ContainsSubstring("--overwrite"));
+  const auto ended = test::runCommand("echo no | " + touch + " --overwrite");
+  CHECK(ended.status != 0);
+  CHECK_THAT(ended.output, ContainsSubstring("ended by the person before: Lay the handle down") &&
+                               ContainsSubstring("the trial is not complete"));
 }
 
 TEST_CASE("the example of a vendor's SDK feels a table", "[device_command]") {
