@@ -289,7 +289,7 @@ namespace Enamel
         public int spins;
         public uint buttons;
         public int contact_count;
-        public int reserved;
+        public int omitted_contacts;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public EnamelContact[] contacts;
     }
 

@@ -416,7 +416,7 @@ class EnamelSnapshot(Structure):
         ("spins", c_int32),
         ("buttons", c_uint32),
         ("contact_count", c_int32),
-        ("reserved", c_int32),
+        ("omitted_contacts", c_int32),
         ("contacts", (EnamelContact * 8)),
     ]
 

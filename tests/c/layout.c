@@ -252,7 +252,7 @@ CHECK(at_EnamelSnapshot_clutched, offsetof(EnamelSnapshot, clutched), 500);
 CHECK(at_EnamelSnapshot_spins, offsetof(EnamelSnapshot, spins), 504);
 CHECK(at_EnamelSnapshot_buttons, offsetof(EnamelSnapshot, buttons), 508);
 CHECK(at_EnamelSnapshot_contact_count, offsetof(EnamelSnapshot, contact_count), 512);
-CHECK(at_EnamelSnapshot_reserved, offsetof(EnamelSnapshot, reserved), 516);
+CHECK(at_EnamelSnapshot_omitted_contacts, offsetof(EnamelSnapshot, omitted_contacts), 516);
 CHECK(at_EnamelSnapshot_contacts, offsetof(EnamelSnapshot, contacts), 520);
 CHECK(size_EnamelEvent, sizeof(EnamelEvent), 184);
 CHECK(at_EnamelEvent_size, offsetof(EnamelEvent, size), 0);

@@ -229,8 +229,8 @@ typedef struct EnamelSnapshot {
   int32_t fault;     /* latched; 0: none */
   int32_t enabled, clutched, spins;
   uint32_t buttons;
-  int32_t contact_count; /* near contacts: those with a gap above 0 do not touch */
-  int32_t reserved;
+  int32_t contact_count;    /* near contacts: those with a gap above 0 do not touch */
+  int32_t omitted_contacts; /* further ones for which there was no room */
   EnamelContact contacts[ENAMEL_MAX_CONTACTS];
 } EnamelSnapshot;
 
