@@ -30,13 +30,13 @@ const EnamelDescription kDescription = {"forcedimension", "0.2.0",
                                         sizeof kOptions / sizeof kOptions[0]};
 
 const char* const kOmega3 =
-#include "omega-3_device.inl"
+#include <omega-3_device.inl>
     ;
 const char* const kOmega6 =
-#include "omega-6_device.inl"
+#include <omega-6_device.inl>
     ;
 const char* const kSigma7 =
-#include "sigma-7_device.inl"
+#include <sigma-7_device.inl>
     ;
 
 // Axes of W in those of the SDK (x towards the user, y right, z up): world = kAxes * sdk.

@@ -26,7 +26,7 @@ constexpr std::chrono::seconds kFirstMessage{1};
 constexpr const char* kAddress = "localhost:10001";
 
 const char* const kDeviceFile =
-#include "inverse3_device.inl"
+#include <inverse3_device.inl>
     ;
 
 const EnamelParameter kOptions[] = {
