@@ -1,6 +1,6 @@
-# enamel_add_plugin(<target> <sources>...): add a renderer plugin, <target>.so, on Windows
-# <target>.dll. It exports enamel_plugin() only. All
-# other symbols remain inside, also those of static libraries and of templates of the standard library.
+# enamel_add_plugin(<target> <sources>...): add a plugin, <target>.so, on Windows <target>.dll. It exports
+# enamel_plugin() (a renderer) or enamel_driver() only. All other symbols remain inside, also those of static libraries
+# and of templates of the standard library.
 set(ENAMEL_PLUGIN_EXPORTS ${CMAKE_CURRENT_LIST_DIR}/plugin.exports)
 
 function(enamel_add_plugin target)

@@ -16,6 +16,7 @@ void addExport(CLI::App& app);
 void addStudy(CLI::App& app);
 void addCompare(CLI::App& app);
 void addDevice(CLI::App& app);
+void addDevices(CLI::App& app);
 void addBench(CLI::App& app);
 void addMesh(CLI::App& app);
 void addScene(CLI::App& app);

@@ -5,19 +5,20 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <iostream>
 #include <memory>
 #include <thread>
 
 #include "commands.hpp"
-#include "connection.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/device/device_file.hpp"
-#include "enamel/device/nominal_device.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/runtime/udp_device.hpp"
+#include "enamel/session/first_touch.hpp"
+#include "enamel/session/open_device.hpp"
 #include "enamel/session/session.hpp"
 #include "enamel/sim/hand.hpp"
-#include "enamel/sim/simulated_device.hpp"
 #include "program/interrupt.hpp"
 #include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
@@ -26,8 +27,8 @@ namespace enamel::app {
 namespace {
 
 struct DeviceOptions {
-  bool serve = false, overwrite = false;
-  std::string connect, device, scene, key, record, renderer = kPositionControl;
+  bool overwrite = false;
+  std::string serve, connect, firstTouch, output = "first-touch", scene, key, record, renderer = kPositionControl;
   ServeOptions server;
   double rate_Hz = 1000.0, duration = 0.0, force = kUnlimited;
 };
@@ -75,22 +76,23 @@ WrenchFunction scriptedHand() {
   };
 }
 
-void serve(const DeviceOptions& options, const Mechanism& mechanism) {
-  VirtualDeviceSetup setup;
-  setup.start.position.z() = 0.005;
-  setup.period = 1.0 / options.rate_Hz;
-  setup.encoders = {true, RateSource::difference, 100.0};
-  SimulatedDevice device(mechanism, setup, scriptedHand(), true);
-  ServeOptions how = options.server;
-  how.period = setup.period;
+void serve(const DeviceOptions& options) {
+  OpenDeviceOptions how;
+  how.period = 1.0 / options.rate_Hz;
+  how.start.emplace().position.z() = 0.005;
+  how.hand = scriptedHand();
+  how.pluginFolder = pluginFolder();
+  const OpenedDevice opened = openDevice(options.serve, how);
+  ServeOptions server = options.server;
+  server.period = how.period;
   const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
-  const DeviceServer server(device, mechanism, how);
-  fmt::print("{} at {}:{}, {} Hz, {}\n", mechanism.name(), how.address, server.port(), options.rate_Hz,
-             how.link.key ? "with a key" : "without a key");
+  const DeviceServer serving(*opened.device, *opened.mechanism, server);
+  fmt::print("{} at {}:{}, {} Hz, {}\n", opened.mechanism->name(), server.address, serving.port(), options.rate_Hz,
+             server.link.key ? "with a key" : "without a key");
   std::fflush(stdout);
   wait(options.duration);
-  print(server.timing());
-  print(server.counts(), "measurement to command");
+  print(serving.timing());
+  print(serving.counts(), "measurement to command");
 }
 
 // Counts ticks by the guard's reason.
@@ -116,21 +118,12 @@ class Tally {
 };
 
 void connect(const DeviceOptions& options) {
-  const auto [host, port] = addressOf(options.connect);
-  if (!options.record.empty() && options.device.empty())
-    throw Error("--record needs --device: the recording contains the device file");
-
   SessionDef def;
-  def.device = options.device;
+  def.device = parseDeviceUrl(options.connect).text;  // not a file
   def.scene = options.scene;
   def.renderer = options.renderer;
   def.pluginFolder = pluginFolder();
-  // A command over UDP acts one or two ticks after its measurement.
-  if (const RendererSource source = findRenderer(options.renderer, def.pluginFolder);
-      !source.plugin && source.name == kPositionControl)
-    def.parameters = {{"delay", "1"}, {"delay-high", "2"}};
   def.rate = options.rate_Hz;
-  def.poll = std::max(1e-4, 0.25 / options.rate_Hz);  // faster than the server, which has its own clock
   def.maxForce = options.force;
   Tally tally;
   bool hasTicked = false;
@@ -141,16 +134,12 @@ void connect(const DeviceOptions& options) {
   Session session(def);
   for (const std::string& note : session.notes()) fmt::print(stderr, "{}\n", note);
   if (options.scene.empty()) (void)session.add({flatWall().obstacles()[0]});
-  LinkOptions link = options.server.link;
-  link.joints = session.mechanism().joints();
-  UdpDevice device(host, port, link);
-  awaitServer(device, options.connect);
   if (!options.record.empty()) {
     removeOld(options.record, options.overwrite);
     session.record(options.record);
   }
   const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
-  session.start(device);
+  session.startOpened();
   const HapticLoop& loop = *session.loop();
   fmt::print("{} at {}: {}, memory {}\n", session.mechanism().name(), options.connect, options.renderer,
              loop.memoryLocked() ? "locked" : "not locked: the system refused");
@@ -161,7 +150,8 @@ void connect(const DeviceOptions& options) {
   print("age of the command", loop.age());
   fmt::print("periods without a new measurement {}, commands not sent {}\n", loop.held(), loop.unsent());
   session.stop();
-  print(device.counts(), "command to measurement");
+  if (const auto* udp = dynamic_cast<const UdpDevice*>(session.opened().device.get()))
+    print(udp->counts(), "command to measurement");
   if (!options.record.empty()) {
     const RecordingResult recorded = session.stopRecording();
     if (!recorded.problem.empty()) throw Error(fmt::format("{} ({} ticks are lost)", recorded.problem, recorded.lost));
@@ -175,12 +165,46 @@ void connect(const DeviceOptions& options) {
   if (fault != GuardReason::none) throw Error(std::string("stopped by the guard: ") + toString(fault));
 }
 
+// Show a request. Enter continues; a text or the end of the input ends the trial.
+bool confirmed(const std::string& request) {
+  fmt::print("\n{}\n[Enter: continue, any text: end] ", request);
+  std::fflush(stdout);
+  std::string answer;
+  return std::getline(std::cin, answer) && answer.empty();
+}
+
+void touchFirst(const DeviceOptions& options) {
+  const std::string report = options.output + "/report.txt";
+  FirstTouchOptions trial;
+  trial.rate = options.rate_Hz;
+  trial.largestForce = std::min(options.force, trial.largestForce);
+  trial.recording = options.output + "/wall.rec";
+  std::filesystem::create_directories(std::filesystem::u8path(options.output));
+  for (const std::string& file : {report, trial.recording}) {
+    requireFree(file, options.overwrite);
+    removeOld(file, options.overwrite);
+  }
+  OpenDeviceOptions how;
+  how.period = 1.0 / options.rate_Hz;
+  how.pluginFolder = pluginFolder();
+  OpenedDevice opened = openDevice(options.firstTouch, how);
+  fmt::print("{} at {}. Keep the emergency stop within reach.\n", opened.mechanism->name(), options.firstTouch);
+  const FirstTouchResult result = firstTouch(opened, trial, confirmed);
+  const std::string text = fmt::format("{} at {}, enamel {}\n{}", opened.mechanism->name(), options.firstTouch,
+                                       ENAMEL_VERSION, result.report);
+  writeFile(report, text);
+  fmt::print("\n{}report: {}\n", text, report);
+  if (!result.surprise.empty()) throw Error("stopped at the first surprise: " + result.surprise);
+  if (!result.isComplete) throw Error("the trial is not complete");
+}
+
 void run(DeviceOptions options) {
-  if (options.serve == !options.connect.empty()) throw Error("give either --serve or --connect HOST:PORT");
+  const auto given = {!options.serve.empty(), !options.connect.empty(), !options.firstTouch.empty()};
+  if (std::count(given.begin(), given.end(), true) != 1)
+    throw Error("give one of --serve URL, --connect URL and --first-touch URL");
   if (!options.key.empty()) options.server.link.key = readKey(options.key);
-  if (!options.serve) return connect(options);
-  serve(options,
-        *makeMechanism(options.device.empty() ? DeviceParameters(nominalDevice()) : loadDevice(options.device)));
+  if (!options.firstTouch.empty()) return touchFirst(options);
+  options.serve.empty() ? connect(options) : serve(options);
 }
 
 }  // namespace
@@ -189,20 +213,28 @@ void addDevice(CLI::App& app) {
   auto options = std::make_shared<DeviceOptions>();
   CLI::App* command = app.add_subcommand(
       "device",
-      "Uses a device over UDP: --serve serves a virtual device in real time, moved by a simulated hand; --connect runs "
-      "a\nhaptic loop on a served device. Both print statistics at the end. The protocol: lib/docs/device.md.");
-  CLI::Option* serve =
-      command->add_flag("--serve", options->serve, "serve a virtual device until --duration or a signal");
-  CLI::Option* connect = command->add_option("--connect", options->connect, "HOST or HOST:PORT of the server");
-  command->add_option("--device", options->device,
-                      "device file (TOML), the same on both sides; default: the nominal TAU");
+      "Uses a device: --connect runs a haptic loop on it; --serve gives it to a loop in another process or machine, "
+      "over\nUDP. Both print statistics at the end. enamel devices lists the URLs. The protocol: lib/docs/device.md.");
+  CLI::Option* serve = command->add_option("--serve", options->serve,
+                                           "URL of the device to serve until --duration or a signal; virtual: is the "
+                                           "nominal TAU, moved by a simulated hand");
+  CLI::Option* connect = command->add_option("--connect", options->connect, "URL of the device to run");
+  CLI::Option* touch = command->add_option(
+      "--first-touch", options->firstTouch,
+      "URL of a device to try for the first time: small forces, each confirmed by you; stops at the first surprise");
+  command->add_option("--output", options->output, "folder for the report and the recording of --first-touch")
+      ->capture_default_str()
+      ->needs(touch);
   command->add_option("--port", options->server.port, "port of the server; 0: any free port")
       ->capture_default_str()
       ->needs(serve);
   command->add_option("--bind", options->server.address, "address of the server; any other than 127.0.0.1 needs --key")
       ->capture_default_str()
       ->needs(serve);
-  command->add_option("--key", options->key, "file with the shared key of both sides, 32 hexadecimal digits");
+  command
+      ->add_option("--key", options->key,
+                   "file with the key of the server and its clients, 32 hexadecimal digits; clients have it in the URL")
+      ->needs(serve);
   command->add_option("--rate", options->rate_Hz, "rate of the device's ticks, Hz, the same on both sides")
       ->check(CLI::Range(500.0, 10000.0))
       ->capture_default_str();
@@ -216,9 +248,10 @@ void addDevice(CLI::App& app) {
   command->add_option("--record", options->record, "file for the recording, for enamel replay and enamel export")
       ->needs(connect);
   command
-      ->add_option("--max-force", options->force, "largest force of the renderer on the tool, limited by the guard, N")
+      ->add_option("--max-force", options->force,
+                   "largest force of the renderer on the tool, limited by the guard, N; with --first-touch 2 or less")
       ->default_str("no limit")
-      ->needs(connect);
+      ->excludes(serve);
   addOverwrite(*command, options->overwrite, {"--record"});
   command->callback([options] { run(*options); });
 }

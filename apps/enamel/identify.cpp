@@ -11,17 +11,18 @@
 #include <thread>
 
 #include "commands.hpp"
-#include "connection.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/identify/device_text.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/runtime/recorder.hpp"
+#include "enamel/session/open_device.hpp"
 #include "enamel/study/parallel.hpp"
 #include "identify_report.hpp"
 #include "plant_option.hpp"
 #include "program/interrupt.hpp"
 #include "program/outputs.hpp"
+#include "program/plugin_folder.hpp"
 #include "renderer_option.hpp"
 
 namespace enamel::app {
@@ -29,7 +30,7 @@ namespace {
 
 struct IdentifyOptionsOfCommand {
   std::vector<std::string> recordings;
-  std::string device, output, plan, record, truth, plant, delay = "none", connect, key, report;
+  std::string device, output, plan, record, truth, plant, delay = "none", connect, report;
   bool makesPlan = false, overwrite = false;
   ExcitationOptions excitation;
   double rate_Hz = 1000.0;
@@ -107,16 +108,17 @@ void runPlan(const IdentifyOptionsOfCommand& options) {
                     device.time(), toString(reason)));
 }
 
-// Play a plan on a device over UDP in real time, and record it.
+// Play a plan on a device in real time, and record it.
 void playPlan(const IdentifyOptionsOfCommand& options) {
   const Excitation excitation = loadExcitation(options.plan);
   const std::shared_ptr<const Mechanism> mechanism = makeMechanism(loadDevice(options.device));
-  const auto [host, port] = addressOf(options.connect);
-  LinkOptions link;
-  link.joints = mechanism->joints();
-  if (!options.key.empty()) link.key = readKey(options.key);
-  UdpDevice device(host, port, link);
-  awaitServer(device, options.connect);
+  OpenDeviceOptions open;
+  open.period = excitation.period;
+  open.pluginFolder = pluginFolder();
+  const OpenedDevice opened = openDevice(options.connect, open);
+  if (opened.mechanism->joints() != mechanism->joints())
+    throw Error(fmt::format("{} has {} joints, {} has {}", options.connect, opened.mechanism->joints(), options.device,
+                            mechanism->joints()));
   ImpedanceRenderer renderer({100.0, 0.0});  // without a wall: balances gravity
   const Scene scene;
   const Tool tool;
@@ -125,11 +127,11 @@ void playPlan(const IdentifyOptionsOfCommand& options) {
   Recorder recorder(options.record, headerOf(options), haptics);
   ExcitationPlayer player(excitation, haptics, &recorder);
   HapticLoopOptions how;
-  how.period = std::max(1e-4, 0.25 * excitation.period);  // faster than the server, which has its own clock
+  how.period = opened.hasOwnClock ? std::max(1e-4, 0.25 * excitation.period) : excitation.period;
   how.sink = &player;
   const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
   {
-    const HapticLoop loop(device, haptics, how);
+    const HapticLoop loop(*opened.device, haptics, how);
     while (!player.isOver() && interruption() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   const RecordingResult recorded = recorder.close();
@@ -208,8 +210,7 @@ void addIdentify(CLI::App& app) {
   command->add_option("--run", options->plan, "plan to play");
   command->add_option("--record", options->record, "file for the recording of --run");
   command->add_option("--virtual", options->truth, "device file of the virtual device of --run: the true numbers");
-  command->add_option("--connect", options->connect, "HOST or HOST:PORT of the device of --run, as enamel device");
-  command->add_option("--key", options->key, "file with the shared key of the device, as enamel device");
+  command->add_option("--connect", options->connect, "URL of the device of --run; enamel devices lists the forms");
   command->add_option("--plant", options->plant, kPlantHelp)
       ->check(CLI::Validator(checkPlant, ""))
       ->default_str("imperfect if the file of --virtual has [imperfections]");

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
     enamel::app::addStudy(app);
     enamel::app::addCompare(app);
     enamel::app::addDevice(app);
+    enamel::app::addDevices(app);
     enamel::app::addMesh(app);
     enamel::app::addScene(app);
     enamel::app::addPlugins(app);

@@ -2,12 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <iterator>
 
 #include "child_process.hpp"
 #include "commands.hpp"
 #include "enamel/device/nominal_device.hpp"
-#include "enamel/plugin/conformance.hpp"
+#include "enamel/plugin/driver_conformance.hpp"
+#include "enamel/session/open_device.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
 #ifdef ENAMEL_COUNTS_ALLOCATIONS
@@ -22,31 +22,41 @@ struct ListOptions {
   double limit = 2.0;  // s
 };
 
-std::string describe(const PluginLibrary& library) {
-  const EnamelDescription& d = library.description();
-  std::string text = fmt::format("{} {}: {}\n  {}\n", d.name, d.version, d.summary, library.path());
+std::string describe(const EnamelDescription& d, const std::string& path, const char* kind, const char* option) {
+  std::string text = fmt::format("{} {} ({}): {}\n  {}\n", d.name, d.version, kind, d.summary, path);
   for (std::size_t i = 0; i < d.parameter_count; ++i) {
     const EnamelParameter& p = d.parameters[i];
-    fmt::format_to(std::back_inserter(text), "  --set {}={}  {}\n", p.key, *p.value != 0 ? p.value : "...", p.meaning);
+    text += fmt::format("  {}{}={}  {}\n", option, p.key, *p.value != 0 ? p.value : "...", p.meaning);
   }
   return text;
+}
+
+std::string describe(const std::string& file) {
+  if (isDriver(file)) return describe(DriverLibrary::load(file)->description(), file, "driver", "?");
+  return describe(PluginLibrary::load(file)->description(), file, "renderer", "--set ");
 }
 
 void list(const ListOptions& options) {
   const std::vector<std::string> files = pluginFiles(options.folder);
   for (const std::string& file : files) {
-    const ChildResult result =
-        runInChild(file + ": loading it", options.limit, [&file] { return describe(*PluginLibrary::load(file)); });
+    const ChildResult result = runInChild(file + ": loading it", options.limit, [&file] { return describe(file); });
     fmt::print("{}", result.failure.empty() ? result.answer : "refused: " + result.failure + "\n");
   }
   if (files.empty()) fmt::print("no plugins in {}\n", options.folder);
 }
 
 struct CheckOptions {
-  std::string file, device;
+  std::string file, device, address;
   std::vector<std::string> set;
   double limit = 20.0;  // s
 };
+
+void printCheck(const ConformanceResult& result) {
+  const char* verdicts[] = {"passed", "FAILED", "not checked"};
+  fmt::print("{:<12} {}{}{}\n", verdicts[static_cast<int>(result.verdict)], result.what,
+             result.detail.empty() ? "" : ": ", result.detail);
+  std::fflush(stdout);
+}
 
 // Print one line for each check.
 bool keepsContract(const CheckOptions& options) {
@@ -60,17 +70,23 @@ bool keepsContract(const CheckOptions& options) {
 #ifdef ENAMEL_COUNTS_ALLOCATIONS
   conformance.allocationCount = &allocationCount;
 #endif
-  return checkPlugin(PluginLibrary::load(options.file), setup, conformance, [](const ConformanceResult& result) {
-    const char* verdicts[] = {"passed", "FAILED", "not checked"};
-    fmt::print("{:<12} {}{}{}\n", verdicts[static_cast<int>(result.verdict)], result.what,
-               result.detail.empty() ? "" : ": ", result.detail);
-    std::fflush(stdout);
-  });
+  return checkPlugin(PluginLibrary::load(options.file), setup, conformance, printCheck);
 }
 
-void check(const CheckOptions& options) {
+bool keepsDriverContract(const CheckOptions& options) {
+  DriverConformanceOptions conformance;
+  const DeviceUrl url = parseDeviceUrl("driver://" + options.address);
+  conformance.address = url.address;
+  conformance.options = url.options;
+#ifdef ENAMEL_COUNTS_ALLOCATIONS
+  conformance.allocationCount = &allocationCount;
+#endif
+  return checkDriver(findDriver(options.file, pluginFolder()), conformance, printCheck);
+}
+
+void check(const CheckOptions& options, bool (*keeps)(const CheckOptions&)) {
   const ChildResult result = runInChild(options.file + ": the check that follows the last line above", options.limit,
-                                        [&options] { return keepsContract(options) ? "kept" : "broken"; });
+                                        [&] { return keeps(options) ? "kept" : "broken"; });
   if (!result.failure.empty()) throw Error(result.failure);
   if (result.answer != "kept") throw Error(options.file + ": the plugin does not keep the contract");
   fmt::print("the plugin keeps the contract\n");
@@ -91,7 +107,7 @@ void addPlugins(CLI::App& app) {
   auto listing = std::make_shared<ListOptions>();
   CLI::App* plugins =
       app.add_subcommand("plugins",
-                         "Lists the renderer plugins of a folder, and the reasons why others were refused.\nEach "
+                         "Lists the renderers and drivers of a folder, and the reasons why others were refused.\nEach "
                          "plugin is loaded in its own process. A plugin that throws, crashes or hangs is refused.");
   plugins->add_option("folder", listing->folder, "folder of plugins; default: the plugins of this program");
   addLimit(*plugins, listing->limit);
@@ -105,7 +121,17 @@ void addPlugins(CLI::App& app) {
   command->add_option("--device", options->device, "device file (TOML); default: the nominal TAU");
   command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);
   addLimit(*command, options->limit);
-  command->callback([options] { check(*options); });
+  command->callback([options] { check(*options, keepsContract); });
+
+  auto driver = std::make_shared<CheckOptions>();
+  command = app.add_subcommand("check-driver",
+                               "Runs a driver with a connected device and checks that it keeps the contract: order of "
+                               "calls, samples, times, bad "
+                               "efforts, allocation.\nAll efforts are zero. The exit status is 0 if it does.");
+  command->add_option("driver", driver->file, "driver (.so), or its name in the plugin folder")->required();
+  command->add_option("address", driver->address, "address and options of the device, as in its URL after ://");
+  addLimit(*command, driver->limit);
+  command->callback([driver] { check(*driver, keepsDriverContract); });
 }
 
 }  // namespace enamel::app

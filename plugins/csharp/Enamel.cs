@@ -59,6 +59,48 @@ namespace Enamel
     }
 
     [StructLayout(LayoutKind.Sequential)]
+    public struct EnamelMeasurement
+    {
+        public uint size;
+        public int age;
+        public double time;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] q;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] rates;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] applied;
+        public double gripper;
+        public int applied_known;
+        public int has_gripper;
+        public int enabled;
+        public int failed;
+        public uint buttons;
+        public uint reserved;
+    }
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    public delegate int EnamelDevice_open(IntPtr user, EnamelMessage message);
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    public delegate void EnamelDevice_close(IntPtr user);
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    public delegate int EnamelDevice_measure(IntPtr user, ref EnamelMeasurement measurement);
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    public delegate int EnamelDevice_actuate(IntPtr user, IntPtr effort, int joints);
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct EnamelDevice
+    {
+        public uint size;
+        public uint reserved;
+        public IntPtr user;
+        [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_open open;
+        [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_close close;
+        [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_measure measure;
+        [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_actuate actuate;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
     public struct EnamelObstacle
     {
         public int slot;
@@ -107,24 +149,6 @@ namespace Enamel
     }
 
     [StructLayout(LayoutKind.Sequential)]
-    public struct EnamelMeasurement
-    {
-        public uint size;
-        public int age;
-        public double time;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] q;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] rates;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] applied;
-        public double gripper;
-        public int applied_known;
-        public int has_gripper;
-        public int enabled;
-        public int failed;
-        public uint buttons;
-        public uint reserved;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
     public struct EnamelKinematics
     {
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] q;
@@ -155,30 +179,6 @@ namespace Enamel
         public IntPtr user;
         [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelMechanism_track track;
         [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelMechanism_reach reach;
-    }
-
-    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-    public delegate int EnamelDevice_open(IntPtr user, EnamelMessage message);
-
-    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-    public delegate void EnamelDevice_close(IntPtr user);
-
-    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-    public delegate int EnamelDevice_measure(IntPtr user, ref EnamelMeasurement measurement);
-
-    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-    public delegate int EnamelDevice_actuate(IntPtr user, IntPtr effort, int joints);
-
-    [StructLayout(LayoutKind.Sequential)]
-    public struct EnamelDevice
-    {
-        public uint size;
-        public uint reserved;
-        public IntPtr user;
-        [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_open open;
-        [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_close close;
-        [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_measure measure;
-        [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_actuate actuate;
     }
 
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
@@ -289,7 +289,7 @@ namespace Enamel
         public int spins;
         public uint buttons;
         public int contact_count;
-        public int reserved;
+        public int omitted_contacts;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public EnamelContact[] contacts;
     }
 
@@ -333,6 +333,9 @@ namespace Enamel
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_message(IntPtr session, EnamelMessage message);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_start(IntPtr session);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_start_device(IntPtr session, ref EnamelDevice device);
@@ -530,6 +533,9 @@ namespace Enamel
             Marshal.FreeHGlobal(message.text);
             throw new EnamelException(reason);
         }
+
+        /// Run the loop with the device whose URL is `device` of the definition, such as virtual:FILE.
+        public void Start() { Check(Native.enamel_start(handle)); }
 
         /// Run the loop with a simulated device. `hand` runs on the loop's thread; null: it pushes along -z with 1 N.
         public void StartVirtual(EnamelHand hand = null)

@@ -188,6 +188,62 @@ class EnamelPlugin(Structure):
     ]
 
 
+class EnamelMeasurement(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("age", c_int32),
+        ("time", c_double),
+        ("q", (c_double * 7)),
+        ("rates", (c_double * 7)),
+        ("applied", (c_double * 7)),
+        ("gripper", c_double),
+        ("applied_known", c_int32),
+        ("has_gripper", c_int32),
+        ("enabled", c_int32),
+        ("failed", c_int32),
+        ("buttons", c_uint32),
+        ("reserved", c_uint32),
+    ]
+
+
+class EnamelDevice(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_uint32),
+        ("user", c_void_p),
+        ("open", CFUNCTYPE(c_int32, c_void_p, EnamelMessage)),
+        ("close", CFUNCTYPE(None, c_void_p)),
+        ("measure", CFUNCTYPE(c_int32, c_void_p, POINTER(EnamelMeasurement))),
+        ("actuate", CFUNCTYPE(c_int32, c_void_p, POINTER(c_double), c_int32)),
+    ]
+
+
+class EnamelConnected(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("joints", c_int32),
+        ("device_file", c_char_p),
+        ("delay_low", c_int32),
+        ("delay_high", c_int32),
+        ("has_own_clock", c_int32),
+        ("reserved", c_uint32),
+        ("device", EnamelDevice),
+    ]
+
+
+class EnamelDriver(Structure):
+    _fields_ = [
+        ("abi_version", c_uint32),
+        ("driver_size", c_uint32),
+        ("connected_size", c_uint32),
+        ("measurement_size", c_uint32),
+        ("describe", CFUNCTYPE(POINTER(EnamelDescription))),
+        ("list", CFUNCTYPE(c_int32, EnamelMessage, EnamelMessage)),
+        ("connect", CFUNCTYPE(c_int32, c_char_p, POINTER(EnamelParameter), c_size_t, POINTER(EnamelConnected), EnamelMessage)),
+        ("disconnect", CFUNCTYPE(None, POINTER(EnamelConnected))),
+    ]
+
+
 class EnamelObstacle(Structure):
     _fields_ = [
         ("slot", c_int32),
@@ -229,24 +285,6 @@ class EnamelBur(Structure):
     ]
 
 
-class EnamelMeasurement(Structure):
-    _fields_ = [
-        ("size", c_uint32),
-        ("age", c_int32),
-        ("time", c_double),
-        ("q", (c_double * 7)),
-        ("rates", (c_double * 7)),
-        ("applied", (c_double * 7)),
-        ("gripper", c_double),
-        ("applied_known", c_int32),
-        ("has_gripper", c_int32),
-        ("enabled", c_int32),
-        ("failed", c_int32),
-        ("buttons", c_uint32),
-        ("reserved", c_uint32),
-    ]
-
-
 class EnamelKinematics(Structure):
     _fields_ = [
         ("q", (c_double * 7)),
@@ -271,18 +309,6 @@ class EnamelMechanism(Structure):
         ("user", c_void_p),
         ("track", CFUNCTYPE(c_int32, c_void_p, POINTER(c_double), POINTER(c_double), POINTER(EnamelKinematics))),
         ("reach", CFUNCTYPE(c_int32, c_void_p, POINTER(EnamelPose), POINTER(c_double), POINTER(EnamelKinematics))),
-    ]
-
-
-class EnamelDevice(Structure):
-    _fields_ = [
-        ("size", c_uint32),
-        ("reserved", c_uint32),
-        ("user", c_void_p),
-        ("open", CFUNCTYPE(c_int32, c_void_p, EnamelMessage)),
-        ("close", CFUNCTYPE(None, c_void_p)),
-        ("measure", CFUNCTYPE(c_int32, c_void_p, POINTER(EnamelMeasurement))),
-        ("actuate", CFUNCTYPE(c_int32, c_void_p, POINTER(c_double), c_int32)),
     ]
 
 
@@ -390,7 +416,7 @@ class EnamelSnapshot(Structure):
         ("spins", c_int32),
         ("buttons", c_uint32),
         ("contact_count", c_int32),
-        ("reserved", c_int32),
+        ("omitted_contacts", c_int32),
         ("contacts", (EnamelContact * 8)),
     ]
 
@@ -421,6 +447,7 @@ _FUNCTIONS = {
     "enamel_session_create": (c_int32, [POINTER(EnamelSessionDef), POINTER(c_void_p), EnamelMessage]),
     "enamel_session_destroy": (None, [c_void_p]),
     "enamel_message": (c_int32, [c_void_p, EnamelMessage]),
+    "enamel_start": (c_int32, [c_void_p]),
     "enamel_start_device": (c_int32, [c_void_p, POINTER(EnamelDevice)]),
     "enamel_start_virtual": (c_int32, [c_void_p, EnamelHand, c_void_p]),
     "enamel_stop": (c_int32, [c_void_p]),
@@ -607,6 +634,10 @@ class Session:
     def reset(self):
         """Continue after a fault of the guard."""
         self.call("reset")
+
+    def start(self):
+        """Run the loop on the device whose URL is `device` of the definition, such as virtual:FILE."""
+        self.call("start")
 
     def start_virtual(self, hand=None):
         """Run the loop on a simulated device. `hand` is an EnamelHand; it must be fast: it runs in the loop."""

@@ -11,7 +11,8 @@ import re
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-HEADERS = ["lib/include/enamel/plugin/abi.h", "lib/include/enamel/c/enamel.h"]
+HEADERS = ["lib/include/enamel/plugin/abi.h", "lib/include/enamel/plugin/driver.h",
+           "lib/include/enamel/c/enamel.h"]
 DESCRIPTION = "lib/src/c/enamel.abi"
 PROOF = "tests/c/layout.c"
 PYTHON = "plugins/ctypes/enamel_c.py"
@@ -258,8 +259,9 @@ class CSharp:
         for name, (result, arguments) in h.callbacks.items():
             out += self.callback(name, result, arguments)
         for name, members in h.structs.items():
-            if name in ("EnamelTickInput", "EnamelTickOutput", "EnamelDescription", "EnamelConfiguration", "EnamelPlugin"):
-                continue  # of renderers, which are written in C or C++
+            if name in ("EnamelTickInput", "EnamelTickOutput", "EnamelDescription", "EnamelConfiguration", "EnamelPlugin",
+                        "EnamelConnected", "EnamelDriver"):
+                continue  # of plugins, which are written in C or C++
             for member in members:
                 if member.function:
                     out += self.callback(name + "_" + member.name, *member.function)

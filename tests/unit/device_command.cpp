@@ -24,12 +24,11 @@ long numberAfter(const std::string& text, const std::string& word) {
 
 // Return the output of a client of a served device that has accepted enough measurements. One second is enough, except
 // on a loaded machine, where the server may not be ready yet.
-std::string connectTo(const std::string& port, const std::string& options, long measurements) {
+std::string connectTo(const std::string& url, long measurements) {
   std::string output;
   int seconds = 1;
   const bool connected = test::eventually([&] {
-    output =
-        run("device --connect 127.0.0.1:" + port + " " + options + " --duration " + std::to_string(seconds)).output;
+    output = run("device --connect '" + url + "' --renderer impedance --duration " + std::to_string(seconds)).output;
     const long accepted = numberAfter(output, "accepted ");
     if (accepted >= 0) seconds = std::min(4 * seconds, 64);
     return accepted > measurements;
@@ -60,10 +59,11 @@ TEST_CASE("a device is served and felt from another process", "[device_command]"
   const test::TemporaryFolder folder;
   const std::string log = folder / "log", key = folder / "key";
   test::writeFile(key, "00112233445566778899aabbccddeeff\n");
-  test::Process server("exec '" ENAMEL_TOOL "' device --serve --port 0 --key '" + key + "' > '" + log + "' 2>&1");
+  test::Process server("exec '" ENAMEL_TOOL "' device --serve virtual: --port 0 --key '" + key + "' > '" + log +
+                       "' 2>&1");
   REQUIRE(test::eventually([&] { return numberAfter(test::readFile(log), " at 127.0.0.1:") > 0; }));
   const std::string port = std::to_string(numberAfter(test::readFile(log), " at 127.0.0.1:"));
-  const std::string output = connectTo(port, "--renderer impedance --key '" + key + "'", 300);
+  const std::string output = connectTo("udp://127.0.0.1:" + port + "?key=" + key, 300);
   server.signal(SIGTERM);
   CHECK(server.wait() == 0);
   INFO(output << "\n" << test::readFile(log));
@@ -82,22 +82,55 @@ TEST_CASE("slips in a command line of device are told", "[device_command]") {
     CHECK(result.status != 0);
     CHECK_THAT(result.output, ContainsSubstring(message));
   };
-  refuses("", "give either --serve or --connect HOST:PORT");
-  refuses("--serve --connect localhost", "give either --serve or --connect HOST:PORT");
-  refuses("--serve --bind 0.0.0.0 --duration 0.1",
+  refuses("", "give one of --serve URL, --connect URL and --first-touch URL");
+  refuses("--serve virtual: --connect udp://localhost", "give one of --serve URL, --connect URL and --first-touch URL");
+  refuses("--serve virtual: --bind 0.0.0.0 --duration 0.1",
           "0.0.0.0 can be reached from other machines: give a key, or use 127.0.0.1");
-  refuses("--serve --key /nowhere", "/nowhere");
-  refuses("--connect 127.0.0.1:0", "with a port in 1 to 65535");
-  refuses("--connect 127.0.0.1:99999", "with a port in 1 to 65535");
+  refuses("--serve virtual: --key /nowhere", "/nowhere");
+  refuses("--connect localhost", "device URL \"localhost\": the scheme is missing; possible are virtual:FILE");
   const test::TemporaryFolder folder;
-  const std::string record = folder / "a.rec", port = freePort();
-  refuses("--connect 127.0.0.1:" + port + " --device '" + kStylus + "' --renderer impedance --record '" + record + "'",
-          "127.0.0.1:" + port + ": no measurement within 1 s");
+  const std::string record = folder / "a.rec", url = "udp://127.0.0.1:" + freePort() + "?device=" + kStylus;
+  refuses("--connect '" + url + "' --renderer impedance --record '" + record + "'",
+          '"' + url + "\": no measurement within 1 s");
   CHECK_FALSE(std::filesystem::exists(record));
-  refuses("--connect localhost --port 1", "--port");
-  refuses("--serve --duration 0.1 --scene /nowhere", "--scene");
-  refuses("--serve --rate 100", "--rate");
-  refuses("--connect 127.0.0.1:" + port + " --renderer nothing", "nothing");
+  refuses("--connect udp://localhost --port 1", "--port");
+  refuses("--serve virtual: --duration 0.1 --scene /nowhere", "--scene");
+  refuses("--serve virtual: --rate 100", "--rate");
+  refuses("--connect virtual: --renderer nothing", "nothing");
+}
+
+TEST_CASE("a virtual device runs in one process, and the forms of URLs are listed", "[device_command]") {
+  const test::TemporaryFolder folder;
+  const std::string record = folder / "a.rec";
+  test::CommandResult result;
+  for (const char* seconds : {"1", "4", "16"}) {  // on a busy machine ticks are late
+    result =
+        run("device --connect 'virtual:" + kStylus + "' --overwrite --record '" + record + "' --duration " + seconds);
+    if (result.status == 0) break;
+  }
+  INFO(result.output);
+  CHECK((result.status == 0 || result.output.find("a tick came late") != std::string::npos));
+  CHECK(numberAfter(result.output, "ticks in contact ") > 0);
+  CHECK(numberAfter(result.output, record + ", ") > 0);
+  CHECK_THAT(run("devices").output, ContainsSubstring("virtual:FILE") && ContainsSubstring("udp://HOST:PORT"));
+}
+
+TEST_CASE("a first trial writes its report, and stops at a surprise or at the person's word", "[device_command]") {
+  const test::TemporaryFolder folder;
+  const std::string touch =
+      "'" ENAMEL_TOOL "' device --first-touch 'virtual:" + kStylus + "' --output '" + (folder / "out") + "'";
+  // The simulated hand does not do as it is told.
+  const auto surprised = test::runCommand("yes '' | " + touch);
+  INFO(surprised.output);
+  CHECK(surprised.status != 0);
+  CHECK_THAT(surprised.output, ContainsSubstring("stopped at the first surprise: "));
+  CHECK_THAT(test::readFile(folder / "out/report.txt"),
+             ContainsSubstring("Cartesian, 3 axes at virtual:") && ContainsSubstring("SURPRISE: "));
+  CHECK_THAT(test::runCommand(touch + " < /dev/null").output, ContainsSubstring("--overwrite"));
+  const auto ended = test::runCommand("echo no | " + touch + " --overwrite");
+  CHECK(ended.status != 0);
+  CHECK_THAT(ended.output, ContainsSubstring("ended by the person before: Lay the handle down") &&
+                               ContainsSubstring("the trial is not complete"));
 }
 
 TEST_CASE("the example of a vendor's SDK feels a table", "[device_command]") {
@@ -128,7 +161,7 @@ TEST_CASE("the driver in Python of the page is a device", "[device_command]") {
   test::writeFile(script, page.substr(begin + 10, end - begin - 10));
   const std::string port = freePort();
   const test::Process driver("exec python3 '" + script + "' " + port + " > '" + log + "' 2>&1");
-  const std::string output = connectTo(port, "--renderer impedance --device '" + kStylus + "'", 200);
+  const std::string output = connectTo("udp://127.0.0.1:" + port + "?device=" + kStylus, 200);
   INFO(output << "\n" << test::readFile(log));
   CHECK(numberAfter(output, "accepted ") > 200);
   CHECK_THAT(output, !ContainsSubstring("checksum") && !ContainsSubstring("another"));

@@ -126,6 +126,7 @@ void toPlain(const Snapshot& in, EnamelSnapshot& out) noexcept {
   out.spins = in.spins ? 1 : 0;
   out.buttons = tick.measurement.buttons;
   out.contact_count = storedContacts(in.contacts.count);
+  out.omitted_contacts = in.contacts.omitted;
   for (int i = 0; i < out.contact_count; ++i) enamel::toPlain(in.contacts.contacts[i], out.contacts[i]);
 }
 

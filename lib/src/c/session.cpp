@@ -143,7 +143,7 @@ std::int32_t enamel_obstacle_defaults(EnamelObstacleDef* def) {
 std::int32_t enamel_session_create(const EnamelSessionDef* def, EnamelSession** session, EnamelMessage message) {
   if (session != nullptr) *session = nullptr;
   if (def == nullptr || session == nullptr) return ENAMEL_NULL;
-  if (!c::isKnown(*def)) {
+  if (!isKnown(*def)) {
     copyText("EnamelSessionDef.size is wrong: call enamel_session_defaults(), and use the header of this library",
              message);
     return ENAMEL_SIZE;
@@ -175,8 +175,12 @@ std::int32_t enamel_message(EnamelSession* session, EnamelMessage message) {
   return ENAMEL_OK;
 }
 
+std::int32_t enamel_start(EnamelSession* session) {
+  return run(session, [](Session& s) { s.startOpened(); });
+}
+
 std::int32_t enamel_start_device(EnamelSession* session, const EnamelDevice* device) {
-  return runWith(session, device != nullptr, [&](Session& s) { s.start(c::makeDevice(*device, session->joints)); });
+  return runWith(session, device != nullptr, [&](Session& s) { s.start(makeDevice(*device, session->joints)); });
 }
 
 std::int32_t enamel_start_virtual(EnamelSession* session, EnamelHand hand, void* user) {
@@ -210,22 +214,22 @@ std::int32_t enamel_tick(EnamelSession* session, const EnamelMeasurement* measur
   if (session == nullptr || effort == nullptr) return ENAMEL_NULL;
   std::fill_n(effort, session->joints, 0.0);
   if (measurement == nullptr) return ENAMEL_NULL;
-  if (!c::isKnown(*measurement)) return wrongSize(*session);
+  if (!isKnown(*measurement)) return wrongSize(*session);
   Command command;
-  const Status status = session->session->tick(c::measurementOf(*measurement, session->joints), command);
+  const Status status = session->session->tick(measurementOf(*measurement, session->joints), command);
   enamel::toPlain(command.effort, effort);
   return c::resultOf(status);
 }
 
 std::int32_t enamel_snapshot(EnamelSession* session, EnamelSnapshot* snapshot) {
   if (session == nullptr || snapshot == nullptr) return ENAMEL_NULL;
-  if (!c::isKnown(*snapshot)) return wrongSize(*session);
+  if (!isKnown(*snapshot)) return wrongSize(*session);
   return run(session, [&](Session& s) { c::toPlain(s.snapshot(), *snapshot); });
 }
 
 std::int32_t enamel_next_event(EnamelSession* session, EnamelEvent* event) {
   if (session == nullptr || event == nullptr) return ENAMEL_NULL;
-  if (!c::isKnown(*event)) return wrongSize(*session);
+  if (!isKnown(*event)) return wrongSize(*session);
   bool found = false;
   const std::int32_t result = run(session, [&](Session& s) {
     SessionEvent next;
@@ -294,7 +298,7 @@ std::int32_t enamel_solid_bricks(EnamelSession* session, EnamelObstacle obstacle
 
 std::int32_t enamel_take_surface(EnamelSession* session, EnamelObstacle obstacle, EnamelSurface* surface) {
   if (session == nullptr || surface == nullptr) return ENAMEL_NULL;
-  if (!c::isKnown(*surface)) return wrongSize(*session);
+  if (!isKnown(*surface)) return wrongSize(*session);
   bool found = false;
   const std::int32_t result = run(session, [&](Session& s) { found = c::takeSurface(s, idOf(obstacle), *surface); });
   return result != ENAMEL_OK || found ? result : std::int32_t{ENAMEL_NOTHING};
@@ -356,8 +360,8 @@ std::int32_t enamel_stop_recording(EnamelSession* session, std::uint64_t* ticks,
 
 std::int32_t enamel_tick_measurement(EnamelTickAccess* access, EnamelMeasurement* measurement) {
   if (access == nullptr || measurement == nullptr) return ENAMEL_NULL;
-  if (!c::isKnown(*measurement)) return ENAMEL_SIZE;
-  c::toPlain(access->access->measurement(), *measurement);
+  if (!isKnown(*measurement)) return ENAMEL_SIZE;
+  enamel::toPlain(access->access->measurement(), *measurement);
   return ENAMEL_OK;
 }
 std::int32_t enamel_tick_move(EnamelTickAccess* access, EnamelObstacle obstacle, const EnamelPose* pose,
@@ -391,10 +395,10 @@ std::int32_t enamel_virtual_create(EnamelSession* session, EnamelVirtualDevice**
 void enamel_virtual_destroy(EnamelVirtualDevice* device) { delete device; }
 std::int32_t enamel_virtual_measure(EnamelVirtualDevice* device, EnamelMeasurement* measurement) {
   if (device == nullptr || measurement == nullptr) return ENAMEL_NULL;
-  if (!c::isKnown(*measurement)) return ENAMEL_SIZE;
+  if (!isKnown(*measurement)) return ENAMEL_SIZE;
   Measurement sample;
   const Status status = device->device.measure(sample);
-  if (status == Status::ok) c::toPlain(sample, *measurement);
+  if (status == Status::ok) enamel::toPlain(sample, *measurement);
   return c::resultOf(status);
 }
 std::int32_t enamel_virtual_actuate(EnamelVirtualDevice* device, const double* effort) {

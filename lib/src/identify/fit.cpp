@@ -328,6 +328,11 @@ Eigen::MatrixXd Fit::covariance() {
   return inverse * B * inverse;
 }
 
+void Fit::refine() {
+  observer_.substeps = std::max(observer_.substeps, static_cast<int>(std::lround(period() / kFineStep)));
+  forget();
+}
+
 void Fit::add(const std::vector<Unknown>& unknowns) {
   unknowns_.insert(unknowns_.end(), unknowns.begin(), unknowns.end());
   const Eigen::Index before = x.size();

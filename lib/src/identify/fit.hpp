@@ -18,6 +18,7 @@
 
 namespace enamel::identify {
 
+inline constexpr double kFineStep = 5e-5;  // s, of refine()
 inline constexpr double kNoiseBegin = 100.0;  // Hz
 
 class Fit {
@@ -64,6 +65,9 @@ class Fit {
 
   /// Return the deviation of each residual above kNoiseBegin, rad or m.
   Eigen::VectorXd noise();
+
+  /// Simulate in steps of kFineStep from now on. The derivatives remain those of the coarse steps.
+  void refine();
 
   /// Forget the simulation at x: reference() was changed.
   void forget() { baseAt_.resize(0); }

@@ -257,6 +257,8 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   const double end = std::min(kMostData, kShare * durationOf(motions));
   fit.use(0.0, end);
   fit.improve(8, false);
+  fit.refine();
+  fit.improve(8, false, true);
   addEstimates(fit, file, result);
   result.problems = diagnose(fit, result.delay.low);
   addStatistics(fit, motions, end, result);

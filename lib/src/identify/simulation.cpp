@@ -154,14 +154,20 @@ class Device {
     falling_ = kinematics_.inverseTransposed.transpose() * free;
     const Matrix inertia = kinematics_.inertia;
     mobility_ = inertia.inverse();
+    if (!hasCogging_) return true;
+    begin_ = hasCables() ? rotor_.angle : link_.angle;
+    const Vector phase = drive_.periods * begin_ + phase_;
+    sine_ = phase.array().sin();
+    cosine_ = phase.array().cos();
     return true;
   }
 
-  // Move by `h` s under the torque of the motors.
-  void move(double h, const Vector& torque) {
-    relax(0.5 * h);
+  // Move by `h` s under the torque of the motors. Friction has half a step before and after; two halves that meet are
+  // one step.
+  void move(double h, const Vector& torque, bool isFirst, bool isLast) {
+    if (isFirst) relax(0.5 * h);
     hasCables() ? moveWithCables(h, torque) : moveRigidly(h, torque);
-    relax(0.5 * h);
+    relax(isLast ? 0.5 * h : h);
   }
 
  private:
@@ -182,7 +188,12 @@ class Device {
 
   double disturbed(Eigen::Index i, double torque, double angle) const {
     double sum = torque - friction_[i] * presliding_[i];
-    if (hasCogging_) sum += (drive_.torqueRipple * torque + cogging_[i]) * std::sin(drive_.periods * angle + phase_[i]);
+    if (hasCogging_) {  // sine of the angle by a series about the beginning of the tick
+      const double d = drive_.periods * (angle - begin_[i]), square = d * d;
+      const double sine = sine_[i] * (1.0 - square * (0.5 - square / 24.0)) +
+                          cosine_[i] * d * (1.0 - square * (1.0 / 6.0 - square / 120.0));
+      sum += (drive_.torqueRipple * torque + cogging_[i]) * sine;
+    }
     return sum;
   }
 
@@ -233,6 +244,7 @@ class Device {
   const Imperfections& drive_;
   Eigen::Index n_;
   Vector viscous_, friction_, cogging_, phase_;
+  Vector begin_, sine_, cosine_;  // angle at the beginning of the tick, and sine and cosine of its cogging
   bool hasCogging_;
   Kinematics kinematics_;  // at the middle of the tick
   Jacobian before_;        // J at the middle of the tick before
@@ -285,7 +297,7 @@ Simulated simulateJoints(const DeviceModel& model, const RecordedMotion& motion,
     motors.beginTick(i, step * duration);
     for (int s = 0; s < observer.substeps; ++s) {
       const Vector torque = held + motors.mean(s * step, (s + 1) * step);
-      if (isPossible) device.move(step * duration, torque);
+      if (isPossible) device.move(step * duration, torque, s == 0, s + 1 == observer.substeps);
     }
     if (isPossible) continue;
     ++simulated.restarts;

@@ -1,12 +1,10 @@
 #include "enamel/plugin/host.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <filesystem>
 
 #include "convert.hpp"
-#include "plugin/system_library.hpp"
+#include "plugin/library.hpp"
 
 namespace enamel {
 
@@ -16,53 +14,15 @@ namespace {
 
 constexpr std::size_t kLargestState = std::size_t{16} << 20;  // bytes, of a plugin
 
-void checkSize(const std::string& path, const char* what, std::uint32_t found, std::size_t expected) {
-  if (found != expected)
-    throw PluginError(path + ": its " + what + " has " + std::to_string(found) + " bytes, this host's " +
-                      std::to_string(expected));
-}
-
 void checkTable(const std::string& path, const EnamelPlugin& table) {
-  if (table.abi_version < ENAMEL_OLDEST_ABI_VERSION || table.abi_version > ENAMEL_ABI_VERSION)
-    throw PluginError(path + ": has ABI version " + std::to_string(table.abi_version) + ", this host loads " +
-                      std::to_string(ENAMEL_OLDEST_ABI_VERSION) + " to " + std::to_string(ENAMEL_ABI_VERSION) +
-                      ": build the plugin with this version's headers");
-  checkSize(path, "EnamelPlugin", table.plugin_size, sizeof(EnamelPlugin));
-  checkSize(path, "EnamelTickInput", table.input_size, sizeof(EnamelTickInput));
-  checkSize(path, "EnamelTickOutput", table.output_size, sizeof(EnamelTickOutput));
+  plugin::checkVersion(path, table.abi_version, ENAMEL_OLDEST_ABI_VERSION, ENAMEL_ABI_VERSION);
+  plugin::checkSize(path, "EnamelPlugin", table.plugin_size, sizeof(EnamelPlugin));
+  plugin::checkSize(path, "EnamelTickInput", table.input_size, sizeof(EnamelTickInput));
+  plugin::checkSize(path, "EnamelTickOutput", table.output_size, sizeof(EnamelTickOutput));
   const bool complete = table.describe && table.create && table.configure && table.activate && table.step &&
                         table.reset && table.deactivate && table.destroy && table.state_size && table.save_state &&
                         table.load_state;
   if (!complete) throw PluginError(path + ": a function of its table is missing");
-}
-
-void checkDescription(const std::string& path, const EnamelDescription* d) {
-  const auto isLine = [](const char* text) { return text != nullptr && printable(text) == text; };
-  const auto filled = [isLine](const char* text) { return isLine(text) && *text != 0; };
-  if (d == nullptr || !filled(d->name) || !filled(d->version) || !filled(d->summary))
-    throw PluginError(path + ": name, version and summary of its description must each be one line");
-  const std::string name = d->name;
-  if (!std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '-'; }))
-    throw PluginError(path + ": its name \"" + name + "\" has characters other than letters, digits and '-'");
-  if (d->parameter_count > 0 && d->parameters == nullptr)
-    throw PluginError(path + ": its description declares " + std::to_string(d->parameter_count) +
-                      " parameters, but its list is NULL");
-  for (std::size_t i = 0; i < d->parameter_count; ++i)
-    if (!filled(d->parameters[i].key) || !isLine(d->parameters[i].value) || !filled(d->parameters[i].meaning))
-      throw PluginError(path + ": parameter " + std::to_string(i) +
-                        " must have a key and a meaning of one line each, and a default");
-}
-
-// The contract forbids exceptions. If a plugin throws one, report it instead of ending this program.
-template <typename Result>
-Result guarded(const std::string& path, const std::string& what, Result (*function)()) {
-  try {
-    return function();
-  } catch (const std::exception& error) {
-    throw PluginError(path + ": " + what + "() threw: " + error.what());
-  } catch (...) {
-    throw PluginError(path + ": " + what + "() threw an unknown exception");
-  }
 }
 
 // Runs the instance of a plugin behind the C++ contract.
@@ -78,12 +38,7 @@ class PluginRenderer final : public Renderer {
  private:
   template <typename Call>
   void require(const char* what, const Call& call) {
-    std::array<char, 1024> text{};
-    const std::int32_t result = call(EnamelMessage{text.data(), text.size()});
-    text.back() = 0;
-    if (result != ENAMEL_OK)
-      throw PluginError(library_->path() + ": " + what + "() failed with code " + std::to_string(result) +
-                        (text[0] != 0 ? ": " : "") + text.data());
+    plugin::requireOk(library_->path(), what, call);
   }
 
   void prepare(double period) override {
@@ -138,8 +93,8 @@ class PluginRenderer final : public Renderer {
 void PluginLibrary::use(const EnamelPlugin& table) {
   checkTable(path_, table);
   table_ = &table;
-  description_ = guarded(path_, "describe", table.describe);
-  checkDescription(path_, description_);
+  description_ = plugin::guarded(path_, "describe", table.describe);
+  plugin::checkDescription(path_, description_);
 }
 
 std::shared_ptr<const PluginLibrary> PluginLibrary::of(const EnamelPlugin& table, const std::string& name) {
@@ -150,20 +105,11 @@ std::shared_ptr<const PluginLibrary> PluginLibrary::of(const EnamelPlugin& table
 }
 
 std::shared_ptr<const PluginLibrary> PluginLibrary::load(const std::string& path) {
-  system::checkLibrary(path);
   std::shared_ptr<PluginLibrary> library(new PluginLibrary);
   library->path_ = path;
-  library->handle_ = system::loadLibrary(path);
-  void* symbol = system::symbolOf(library->handle_, ENAMEL_PLUGIN_SYMBOL);
-  if (symbol == nullptr) throw PluginError(path + ": does not export " ENAMEL_PLUGIN_SYMBOL "()");
-  const EnamelPlugin* table = guarded(path, ENAMEL_PLUGIN_SYMBOL, reinterpret_cast<const EnamelPlugin* (*)()>(symbol));
-  if (table == nullptr) throw PluginError(path + ": " ENAMEL_PLUGIN_SYMBOL "() returned NULL");
-  library->use(*table);
+  library->handle_ = plugin::loadShared(path);
+  library->use(plugin::tableOf<EnamelPlugin>(path, library->handle_.get(), ENAMEL_PLUGIN_SYMBOL));
   return library;
-}
-
-PluginLibrary::~PluginLibrary() {
-  if (handle_ != nullptr) system::unloadLibrary(handle_);
 }
 
 std::unique_ptr<Renderer> makeRenderer(std::shared_ptr<const PluginLibrary> library, const PluginSetup& setup) {
@@ -194,29 +140,7 @@ std::vector<PluginFinding> findPlugins(const std::string& folder) {
 }
 
 std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, const std::string& folder) {
-  const std::string& ending = system::kLibraryEnding;
-  const bool isFile = nameOrPath.size() > ending.size() &&
-                      nameOrPath.compare(nameOrPath.size() - ending.size(), ending.size(), ending) == 0;
-  if (isFile || fs::u8path(nameOrPath).has_parent_path()) return PluginLibrary::load(nameOrPath);
-  std::string known, stem = nameOrPath;
-  std::replace(stem.begin(), stem.end(), '-', '_');
-  std::error_code ignored;
-  // The likely files come first, so that a bad plugin beside them is not loaded.
-  for (const std::string& file : {folder + "/enamel_" + stem + ending, folder + "/" + stem + ending}) {
-    if (!fs::is_regular_file(fs::u8path(file), ignored)) continue;
-    auto library = PluginLibrary::load(file);
-    if (library->description().name == nameOrPath) return library;
-  }
-  if (fs::is_directory(fs::u8path(folder), ignored))
-    for (const PluginFinding& finding : findPlugins(folder)) {
-      if (!finding.library) continue;
-      if (finding.library->description().name == nameOrPath) return finding.library;
-      known += std::string(known.empty() ? "" : ", ") + finding.library->description().name;
-    }
-  const std::string found = folder.empty()  ? "no plugin folder is given"
-                            : known.empty() ? folder + " has no plugins"
-                                            : folder + " has " + known;
-  throw PluginError("unknown plugin \"" + nameOrPath + "\": " + found + "; a path must end in " + ending);
+  return plugin::find<PluginLibrary>("plugin", nameOrPath, folder);
 }
 
 }  // namespace enamel

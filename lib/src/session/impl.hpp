@@ -112,8 +112,9 @@ struct Session::Impl final : TickSink {
   std::shared_ptr<MappedMechanism> mapped;  // null: the frames are the same
   double period = 1e-3;
   std::vector<std::string> notes;
-  Pose start;  // of the tool in the scene
-  std::string deviceText, sceneText;
+  Pose start;           // of the tool in the scene
+  OpenedDevice opened;  // of a URL; its device is null without one
+  std::string deviceFile, deviceText, sceneText;
 
   // Callers, with the group's mutex.
   std::shared_ptr<session::Group> group;

@@ -211,7 +211,7 @@ void Session::record(const std::string& path) {
   if (impl_->def.tool || impl_->def.bur) refuse("its tool is not that of the scene file");
   if (impl_->choice.name.empty()) refuse("its renderer has no name");
   RecordingHeader header;
-  header.deviceFile = impl_->def.device.empty() ? "tau-nominal.toml" : absoluteOf(impl_->def.device);
+  header.deviceFile = impl_->deviceFile.empty() ? impl_->device->name() : absoluteOf(impl_->deviceFile);
   header.deviceText = impl_->deviceText;
   if (!impl_->def.scene.empty()) header.sceneFile = absoluteOf(impl_->def.scene);
   header.sceneText = impl_->sceneText;

@@ -11,7 +11,6 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/plugin/renderer_source.hpp"
-#include "enamel/sim/hand.hpp"
 #include "runtime/system_thread.hpp"
 #include "session/impl.hpp"
 
@@ -27,6 +26,7 @@ using Lock = std::unique_lock<std::mutex>;
 namespace {
 
 constexpr double kMostCentring = 0.5;
+constexpr double kShortestPoll = 1e-4;  // s
 
 // The first obstacles of a session: those of its scene file.
 std::shared_ptr<Group> groupOf(const SceneFile& file) {
@@ -57,13 +57,23 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
   require(def.maxForce >= 0.0,
           "session: the largest force is " + formatNumber(def.maxForce) + " N, must be at least 0");
   require(!def.sharesWith || def.scene.empty(), "session: a scene file and sharesWith exclude each other");
-  require(def.device.empty() || !def.mechanism, "session: a device file and a mechanism exclude each other");
+  require(def.device.empty() || !def.mechanism, "session: a device and a mechanism exclude each other");
   period = 1.0 / def.rate;
-  if (!def.device.empty()) deviceText = readFile(def.device);
-  if (def.device.empty() && !def.mechanism) deviceText = nominalDeviceText();
-  device = def.mechanism        ? def.mechanism
-           : def.device.empty() ? makeMechanism(DeviceParameters(nominalDevice()))
-                                : makeMechanism(parseDevice(deviceText, def.device));
+  if (isDeviceUrl(def.device)) {
+    OpenDeviceOptions options;
+    options.period = period;
+    options.pluginFolder = def.pluginFolder;
+    opened = openDevice(def.device, options);
+    deviceFile = opened.file;
+    deviceText = opened.text;
+    device = opened.mechanism;
+  } else if (def.mechanism) {
+    device = def.mechanism;
+  } else {
+    deviceFile = def.device;
+    deviceText = deviceFile.empty() ? std::string(nominalDeviceText()) : readFile(deviceFile);
+    device = makeMechanism(parseDevice(deviceText, deviceFile));
+  }
   if (def.map || def.clutchButton >= 0 || def.centring > 0.0)
     mapped = std::make_shared<MappedMechanism>(device, def.map.value_or(WorkspaceMap{}));
   join(def);
@@ -139,12 +149,16 @@ Session::Impl::RendererChoice Session::Impl::choose(const std::string& name,
   if (!source.plugin) requireKnown(source.name, parameters);
   const std::shared_ptr<const Mechanism> seen = mapped ? mapped : device;
   RendererChoice chosen;
+  chosen.parameters = parameters;
+  if (opened.device && !source.plugin && source.name == kPositionControl && parameters.count("delay") == 0) {
+    chosen.parameters["delay"] = std::to_string(opened.delay.low);
+    chosen.parameters.emplace("delay-high", std::to_string(opened.delay.high));
+  }
   chosen.renderer = source.plugin
-                        ? makeRenderer(source.plugin, {def.device, deviceText, def.scene, sceneText, parameters})
-                        : makeLinked(source.name, parameters, seen, period);
+                        ? makeRenderer(source.plugin, {deviceFile, deviceText, def.scene, sceneText, chosen.parameters})
+                        : makeLinked(source.name, chosen.parameters, seen, period);
   chosen.name = source.name;
   chosen.plugin = source.plugin ? source.plugin->path() : "";
-  chosen.parameters = parameters;
   return chosen;
 }
 
@@ -251,12 +265,32 @@ Session::Session(const SessionDef& def) : impl_(std::make_unique<Impl>(def)) {}
 
 Session::~Session() { stop(); }
 
+void Session::startOpened() {
+  const std::string& url = impl_->def.device;
+  require(impl_->opened.device != nullptr,
+          "session: startOpened() needs a URL as SessionDef::device, such as virtual:FILE");
+  {
+    const Lock lock = impl_->lock();
+    require(!impl_->isLive(), "session: it is already running; call stop() first");
+    // A virtual device begins at rest at the start of the tool. Others are where the user's hand is.
+    if (parseDeviceUrl(url).scheme == kVirtualScheme) {
+      OpenDeviceOptions options;
+      options.period = impl_->period;
+      options.start = start();
+      impl_->opened = openDevice(url, options);
+    }
+  }
+  start(*impl_->opened.device);
+}
+
 void Session::start(HapticDevice& haptic) {
   const Lock lock = impl_->lock();
   require(!impl_->isLive(), "session: it is already running; call stop() first");
   HapticLoopOptions options;
   options.sink = impl_.get();
   options.period = impl_->def.poll;
+  if (options.period == 0.0 && &haptic == impl_->opened.device.get() && impl_->opened.hasOwnClock)
+    options.period = std::max(kShortestPoll, 0.25 * impl_->period);
   options.priority = impl_->def.priority;
   options.lockMemory = impl_->def.lockMemory;
   impl_->enterLoop(Impl::Loop::threaded);
@@ -385,6 +419,7 @@ void Session::reset() {
 const Mechanism& Session::mechanism() const noexcept { return *impl_->device; }
 double Session::period() const noexcept { return impl_->period; }
 const std::vector<std::string>& Session::notes() const noexcept { return impl_->notes; }
+const OpenedDevice& Session::opened() const noexcept { return impl_->opened; }
 const HapticTick& Session::haptics() const noexcept { return *impl_->haptics; }
 const HapticLoop* Session::loop() const noexcept { return impl_->loop.get(); }
 Pose Session::start() const noexcept { return impl_->mapped ? impl_->mapped->toDevice(impl_->start) : impl_->start; }
@@ -393,14 +428,7 @@ std::unique_ptr<SimulatedDevice> makeVirtualDevice(const Session& session, Wrenc
   VirtualDeviceSetup setup;
   setup.start = session.start();
   setup.period = session.period();
-  if (!hand)
-    hand = [start = setup.start](double, const Pose& pose, const Vec6& twist) {
-      constexpr double kPush = 1.0, kDamping = 5.0, kDeepest = 20e-3, kStop = 200.0;  // N, N s/m, m, N/m
-      Vec6 wrench = guidingWrench(pose, twist, start, Vec3::UnitZ());
-      const double beyond = start.position.z() - kDeepest - pose.position.z();
-      wrench[2] -= kPush + kDamping * twist[2] - kStop * std::max(0.0, beyond);
-      return wrench;
-    };
+  if (!hand) hand = pressingHand(setup.start);
   return std::make_unique<SimulatedDevice>(session.mechanism(), setup, std::move(hand), true);
 }
 

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "enamel/sim/hand.hpp"
+
 namespace enamel {
 namespace {
 
@@ -15,6 +17,16 @@ std::int64_t now() noexcept {
 constexpr double kMostBehind = 0.1;  // s
 
 }  // namespace
+
+WrenchFunction pressingHand(const Pose& start) {
+  return [start](double, const Pose& pose, const Vec6& twist) {
+    constexpr double kPush = 1.0, kDamping = 5.0, kDeepest = 20e-3, kStop = 200.0;  // N, N s/m, m, N/m
+    Vec6 wrench = guidingWrench(pose, twist, start, Vec3::UnitZ());
+    const double beyond = start.position.z() - kDeepest - pose.position.z();
+    wrench[2] -= kPush + kDamping * twist[2] - kStop * std::max(0.0, beyond);
+    return wrench;
+  };
+}
 
 void SimulatedDevice::open() { isMoving_ = false; }
 

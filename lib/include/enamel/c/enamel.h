@@ -24,7 +24,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "enamel/plugin/abi.h"
+#include "enamel/plugin/driver.h"
 
 #if defined(_WIN32)
 #if defined(ENAMEL_BUILDS_DLL)
@@ -97,23 +97,6 @@ typedef struct EnamelBur {
   double turns; /* per second */
 } EnamelBur;
 
-/* One measurement of a device. */
-typedef struct EnamelMeasurement {
-  uint32_t size;
-  int32_t age;                       /* periods since the last sample; above 0: q, rates and applied are ignored */
-  double time;                       /* s, strictly increasing */
-  double q[ENAMEL_MAX_JOINTS];       /* rad or m */
-  double rates[ENAMEL_MAX_JOINTS];   /* rad/s or m/s */
-  double applied[ENAMEL_MAX_JOINTS]; /* torque that acted since the last measurement, N m or N */
-  double gripper;                    /* opening angle, rad; see has_gripper */
-  int32_t applied_known;             /* 0: the device does not report it */
-  int32_t has_gripper;
-  int32_t enabled;  /* the user's enable; 1 if the device has none */
-  int32_t failed;   /* 1: the driver cannot continue */
-  uint32_t buttons; /* bit i: button i is pressed */
-  uint32_t reserved;
-} EnamelMeasurement;
-
 /* State of a device as an own mechanism computes it. See EnamelTickInput for jacobian and inverse. */
 typedef struct EnamelKinematics {
   double q[ENAMEL_MAX_JOINTS];
@@ -141,23 +124,11 @@ typedef struct EnamelMechanism {
   int32_t (*reach)(void* user, const EnamelPose* pose, const double* twist, EnamelKinematics* state);
 } EnamelMechanism;
 
-/* An own device. measure returns ENAMEL_OK, ENAMEL_STALE (no new sample), or an error. All but measure and actuate may
- * be NULL. measure and actuate run on the loop's thread and must be safe in real time. */
-typedef struct EnamelDevice {
-  uint32_t size;
-  uint32_t reserved;
-  void* user;
-  int32_t (*open)(void* user, EnamelMessage message);
-  void (*close)(void* user);
-  int32_t (*measure)(void* user, EnamelMeasurement* measurement);
-  int32_t (*actuate)(void* user, const double* effort, int32_t joints);
-} EnamelDevice;
-
 /* Definition of a session. enamel_session_defaults() fills it in. Texts and pointers are read during create only. */
 typedef struct EnamelSessionDef {
   uint32_t size;
   int32_t clutch_button;            /* -1: none */
-  const char* device;               /* device file; NULL: mechanism, or the nominal TAU */
+  const char* device;               /* device file, or URL for enamel_start(); NULL: mechanism, or the nominal TAU */
   const EnamelMechanism* mechanism; /* NULL: none. Its `user` must outlive the session */
   const char* scene;                /* scene file; NULL: no obstacles at first */
   const EnamelTool* tool;           /* NULL: that of the scene file, or a point */
@@ -166,7 +137,7 @@ typedef struct EnamelSessionDef {
   const char* renderer;             /* name of a linked renderer or a plugin, or a plugin's path */
   const EnamelParameter* parameters;
   size_t parameter_count;
-  const char* plugin_folder;  /* NULL: plugins by path only */
+  const char* plugin_folder;  /* of renderers and drivers; NULL: renderers by path only, no drivers */
   double rate;                /* Hz */
   const EnamelPose* base;     /* of the device in the scene; NULL: frames are the same */
   double scale;               /* metres of the tool per metre of the device */
@@ -258,8 +229,8 @@ typedef struct EnamelSnapshot {
   int32_t fault;     /* latched; 0: none */
   int32_t enabled, clutched, spins;
   uint32_t buttons;
-  int32_t contact_count; /* near contacts: those with a gap above 0 do not touch */
-  int32_t reserved;
+  int32_t contact_count;    /* near contacts: those with a gap above 0 do not touch */
+  int32_t omitted_contacts; /* further ones for which there was no room */
   EnamelContact contacts[ENAMEL_MAX_CONTACTS];
 } EnamelSnapshot;
 
@@ -308,13 +279,15 @@ ENAMEL_API void enamel_session_destroy(EnamelSession* session);
 /* Copy the reason of the last error of this session. Any thread. */
 ENAMEL_API int32_t enamel_message(EnamelSession* session, EnamelMessage message);
 
-/* Run a loop in a thread of its own: with an own device, or with a simulated one that `hand` holds. `hand` gives the
+/* Run a loop in a thread of its own: with the device whose URL is EnamelSessionDef.device, with an own device, or with
+ * a simulated one that `hand` holds. `enamel devices` lists the forms of URLs. `hand` gives the
  * wrench on the tool at the TCP (N, N m) in the device's frame, on the loop's thread. NULL: it pushes along -z with
  * 1 N, to 20 mm behind the start, and holds the tool across. `device->user` and `user` must live until enamel_stop().
  * hand and before_tick must not call functions of the session, except enamel_tick_...(). A device whose measure does
  * not return blocks start and stop. enamel_reset() does not bring a simulated device back that has left its workspace:
  * stop and start. Owner. */
 typedef void (*EnamelHand)(void* user, double time, const EnamelPose* pose, const double* twist, double* wrench);
+ENAMEL_API int32_t enamel_start(EnamelSession* session);
 ENAMEL_API int32_t enamel_start_device(EnamelSession* session, const EnamelDevice* device);
 ENAMEL_API int32_t enamel_start_virtual(EnamelSession* session, EnamelHand hand, void* user);
 

@@ -34,7 +34,6 @@ class PluginLibrary {
 
   /// Use a table of functions in this program. `name` appears in messages. Throws PluginError as load(). Realtime: no.
   static std::shared_ptr<const PluginLibrary> of(const EnamelPlugin& table, const std::string& name);
-  ~PluginLibrary();
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
 
@@ -47,7 +46,7 @@ class PluginLibrary {
   void use(const EnamelPlugin& table);
 
   std::string path_;
-  void* handle_ = nullptr;
+  std::shared_ptr<void> handle_;  // unloads the library
   const EnamelPlugin* table_ = nullptr;
   const EnamelDescription* description_ = nullptr;
 };

@@ -10,6 +10,7 @@
 #include "enamel/device/haptic_device.hpp"
 #include "enamel/render/renderer.hpp"
 #include "enamel/runtime/recorder.hpp"
+#include "enamel/session/open_device.hpp"
 #include "enamel/session/types.hpp"
 #include "enamel/sim/simulated_device.hpp"
 
@@ -34,16 +35,17 @@ namespace enamel {
 /// obstacles.
 class Session {
  public:
-  /// Throws Error as loadDevice(), loadScene(), findRenderer(), makeLinked(), checkMechanism(), MappedMechanism and
-  /// HapticTick, and for a value of the definition outside its range.
+  /// Throws Error as loadDevice(), openDevice(), loadScene(), findRenderer(), makeLinked(), checkMechanism(),
+  /// MappedMechanism and HapticTick, and for a value of the definition outside its range.
   explicit Session(const SessionDef& def);
   ~Session();  ///< calls stop()
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Run a loop with this device in a thread of its own. The device must outlive stop(), or the session keeps it until
-  /// the next start(). Throws Error as HapticLoop, and if the session is already running. stop() ramps out and ends the
-  /// loop, or marks the end of an own loop.
+  /// Run a loop with a device in a thread of its own: the one whose URL is SessionDef::device, or this one. The device
+  /// must outlive stop(), or the session keeps it until the next start(). Throws Error as HapticLoop, and if the
+  /// session is already running. stop() ramps out and ends the loop, or marks the end of an own loop.
+  void startOpened();
   void start(HapticDevice& device);
   void start(std::unique_ptr<HapticDevice> device);
   void stop() noexcept;
@@ -128,6 +130,7 @@ class Session {
   Pose start() const noexcept;                             ///< of the device at the first tick, without the map
   double period() const noexcept;                          ///< s
   const std::vector<std::string>& notes() const noexcept;  ///< of the scene file
+  const OpenedDevice& opened() const noexcept;             ///< of the URL; without one, its device is null
 
   /// Return the haptic tick. Only on the thread of tick() or of SessionDef::beforeTick, or while no loop runs.
   const HapticTick& haptics() const noexcept;
@@ -162,9 +165,7 @@ class TickAccess {
 };
 
 /// Make a virtual device for a session: an ideal one in real time, at the session's start, held by a hand (N, N m; in
-/// the device's frame). Default: a hand that pushes along -z with 1 N, against 5 N s/m, to 20 mm behind the start. It
-/// holds the tool across by springs (guidingWrench()). The device refers to the session. Throws Error as
-/// SimulatedDevice.
+/// the device's frame). Default: pressingHand(). The device refers to the session. Throws Error as SimulatedDevice.
 std::unique_ptr<SimulatedDevice> makeVirtualDevice(const Session& session, WrenchFunction hand = {});
 
 }  // namespace enamel

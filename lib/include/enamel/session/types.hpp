@@ -38,7 +38,7 @@ struct SessionObstacle : Obstacle {
 
 /// Definition of a session. Every member has a default.
 struct SessionDef {
-  std::string device;                          ///< device file; empty: `mechanism`
+  std::string device;                          ///< device file, or URL for startOpened(); empty: `mechanism`
   std::shared_ptr<const Mechanism> mechanism;  ///< null: the nominal TAU
   std::string scene;                           ///< scene file; empty: no obstacles at first
   std::optional<Tool> tool;                    ///< empty: that of the scene file, or a point
@@ -47,7 +47,7 @@ struct SessionDef {
 
   std::string renderer = "position-control";      ///< name of a linked renderer or of a plugin, or a plugin's path
   std::map<std::string, std::string> parameters;  ///< of the renderer, as in makeLinked(); for example {"delay", "1"}
-  std::string pluginFolder;                       ///< where plugins are searched by name
+  std::string pluginFolder;                       ///< where renderers and drivers are searched by name
 
   double rate = 1000.0;                 ///< ticks per second, Hz
   std::optional<WorkspaceMap> map;      ///< place and scale of the device in the scene; empty: frames are the same

@@ -11,6 +11,10 @@ namespace enamel {
 /// several times. It must be Realtime: yes.
 using WrenchFunction = std::function<Vec6(double time, const Pose& pose, const Vec6& twist)>;
 
+/// Return a hand that pushes along -z with 1 N, against 5 N s/m, to 20 mm behind `start`. It holds the tool across by
+/// springs (guidingWrench()). Realtime: no; the hand: yes.
+WrenchFunction pressingHand(const Pose& start);
+
 /// A VirtualDevice that actuate() moves on: by one period or, in real time, to the present of the clock since its first
 /// command.
 class SimulatedDevice final : public HapticDevice {

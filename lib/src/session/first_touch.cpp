@@ -1,0 +1,358 @@
+#include "enamel/session/first_touch.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <thread>
+#include <vector>
+
+#include "core/message.hpp"
+#include "enamel/control/device_plant.hpp"
+#include "enamel/core/error.hpp"
+#include "enamel/plugin/renderer_source.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/render/position_control.hpp"
+#include "enamel/runtime/haptic_loop.hpp"
+#include "enamel/runtime/recorder.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kRest = 1.0, kPush = 0.06, kAfter = 0.3, kWall = 4.0;  // s, of the steps
+constexpr double kMostLost = 0.1;                                       // share of the ticks
+constexpr double kClockError = 0.05;                                    // of the time stamps
+constexpr double kShortestMove = 0.01, kLongestMove = 0.2;              // m, of a motion "by about 5 cm"
+constexpr double kSmallPush = 0.1, kMediumPush = 0.5;                   // N
+constexpr double kMassFactor = 4.0;                                     // between the file and the measurement
+constexpr int kDelayError = 2, kMostDelay = 12;                         // ticks
+constexpr double kSoftWall = 300.0;                                     // N/m
+const char* const kDirections[] = {"to the right", "up", "towards you"};
+
+struct Surprise {
+  std::string what;
+};
+
+std::string text(const char* format, double a, double b = 0.0, double c = 0.0) {
+  std::array<char, 160> line{};
+  std::snprintf(line.data(), line.size(), format, a, b, c);
+  return line.data();
+}
+
+// Pushes along one axis for a while, after a pause in which the device is at rest.
+class PushRenderer final : public Renderer {
+ public:
+  Vec3 force = Vec3::Zero();  // N
+  double begin = 0.0;         // s, after the first tick
+
+ private:
+  void prepare(double) override {}
+  Status render(const TickFrame& frame, TickOutput& output) noexcept override {
+    if (state_.first < 0.0) state_.first = frame.time;
+    const double time = frame.time - state_.first;
+    Vec6 wrench = Vec6::Zero();
+    if (time >= begin && time < begin + kPush) wrench.head<3>() = force;
+    output.torque = staticTorque(frame.kinematics, wrench);
+    output.normalForce = wrench.norm();
+    output.saturated = saturate(output.torque, frame.kinematics.gravity, frame.maxTorque);
+    output.mode = RenderMode::free;
+    return Status::ok;
+  }
+  void resetState() noexcept override { state_.first = -1.0; }
+  StateBlock stateBlock() noexcept override { return {&state_, sizeof state_}; }
+
+  struct {
+    double first = -1.0;
+  } state_;
+};
+
+struct Sample {
+  double time = 0.0;  // s, of the measurement
+  Vec3 position = Vec3::Zero(), force = Vec3::Zero();
+  bool isNew = false;
+  std::uint32_t buttons = 0;
+};
+
+// Keeps every tick, and passes it on to a recorder.
+class Log final : public TickSink {
+ public:
+  explicit Log(std::size_t ticks) { samples.reserve(ticks + 1000); }
+  void tick(const LoopTick& tick, const HapticTick& haptics) noexcept override {
+    if (recorder != nullptr) recorder->tick(tick, haptics);
+    if (samples.size() == samples.capacity()) return;
+    const Kinematics& k = haptics.frame().kinematics;
+    JointVector added = tick.command.effort;
+    if (added.size() == k.gravity.size()) added -= k.gravity;
+    samples.push_back({tick.measurement.time, tick.pose.position,
+                       k.q.size() == added.size() ? Vec3(wrenchOf(k, added).head<3>()) : Vec3(Vec3::Zero()),
+                       tick.measurement.age == 0, tick.measurement.buttons});
+    if (fault == GuardReason::none) fault = haptics.guard().fault();
+    if (tick.mode == RenderMode::contact) ++contact;
+  }
+
+  std::vector<Sample> samples;
+  Recorder* recorder = nullptr;
+  GuardReason fault = GuardReason::none;
+  int contact = 0;
+};
+
+// The steps of one trial.
+class Trial {
+ public:
+  Trial(OpenedDevice& opened, const FirstTouchOptions& options, const std::function<bool(const std::string&)>& ask)
+      : opened_(opened), options_(options), ask_(ask) {
+    require(options.largestForce >= kMediumPush && options.largestForce <= 10.0,
+            "first touch: the largest force is " + formatNumber(options.largestForce) + " N, must be in 0.5 to 10 N");
+  }
+
+  bool rest() {
+    if (!confirm("Lay the handle down or hold it still. No force acts.")) return false;
+    PushRenderer none;
+    const Log log = run(none, Scene(), kRest);
+    const auto fresh = static_cast<double>(
+        std::count_if(log.samples.begin(), log.samples.end(), [](const Sample& s) { return s.isNew; }));
+    const auto ticks = static_cast<double>(log.samples.size());
+    const double lost = ticks > 0.0 ? 1.0 - fresh / ticks : 1.0;
+    const double elapsed = log.samples.back().time - log.samples.front().time, wanted = (ticks - 1.0) / options_.rate;
+    Vec3 low = log.samples[0].position, high = low;
+    for (const Sample& s : log.samples) low = low.cwiseMin(s.position), high = high.cwiseMax(s.position);
+    note(text("rest: %.1f %% of the samples lost, ", 100.0 * lost) +
+         text("time stamps %.3f s in %.3f s, ", elapsed, wanted) +
+         text("position within %.3f mm", 1e3 * (high - low).maxCoeff()));
+    if (lost > kMostLost) throw Surprise{text("%.0f %% of the samples are missing", 100.0 * lost)};
+    if (std::abs(elapsed - wanted) > kClockError * wanted)
+      throw Surprise{text("the time stamps advance by %.3f s in %.3f s: is their unit s?", elapsed, wanted)};
+    requireNoFault(log);
+    return true;
+  }
+
+  bool moves() {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!confirm(std::string("Confirm, then move the handle ") + kDirections[axis] + " by about 5 cm within " +
+                   formatNumber(options_.moveTime) + " s, and hold it there. No force acts."))
+        return false;
+      PushRenderer none;
+      const Log log = run(none, Scene(), options_.moveTime);
+      const Vec3 way = log.samples.back().position - log.samples.front().position;
+      std::uint32_t buttons = 0;
+      for (const Sample& s : log.samples) buttons |= s.buttons;
+      note(std::string("moved ") + kDirections[axis] + ": " +
+           text("%.1f, %.1f, %.1f mm", 1e3 * way.x(), 1e3 * way.y(), 1e3 * way.z()) + ", buttons " +
+           std::to_string(buttons));
+      requireNoFault(log);
+      requireAlong(way, axis, "position", kDirections[axis]);
+      if (way.norm() < kShortestMove || way.norm() > kLongestMove)
+        throw Surprise{text("the position changed by %.4g m instead of about 0.05 m: is its unit m?", way.norm())};
+    }
+    return true;
+  }
+
+  bool pushes() {
+    for (const double force : {kSmallPush, kMediumPush, options_.largestForce})
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!confirm("Hold the handle loosely in the middle. A force of " + formatNumber(force) + " N acts " +
+                     kDirections[axis] + " for 60 ms."))
+          return false;
+        PushRenderer renderer;
+        renderer.force[axis] = force;
+        renderer.begin = kAfter;
+        judgePush(run(renderer, Scene(), 2.0 * kAfter + kPush), force, axis);
+      }
+    return true;
+  }
+
+  bool walls() {
+    const double period = 1.0 / options_.rate;
+    ImpedanceRenderer soft({kSoftWall, 0.0});
+    if (!wall(soft, kImpedance, {{"stiffness", formatNumber(kSoftWall)}}, "a soft wall of 300 N/m", "")) return false;
+    const int low = opened_.delay.low, high = opened_.delay.high;
+    PositionControlRenderer hard(positionControlFor(*opened_.mechanism, period, low, high));
+    return wall(hard, kPositionControl, {{"delay", std::to_string(low)}, {"delay-high", std::to_string(high)}},
+                "a hard wall", options_.recording);
+  }
+
+  std::string report;
+
+ private:
+  void note(const std::string& line) { report += line + "\n"; }
+  bool confirm(const std::string& request) {
+    if (ask_(request)) return true;
+    note("ended by the person before: " + request);
+    return false;
+  }
+
+  // Run the loop for `duration`, then let it ramp out.
+  Log run(Renderer& renderer, const Scene& scene, double duration, const RecordingHeader* header = nullptr) {
+    const double period = 1.0 / options_.rate;
+    GuardOptions guard = guardFor(*opened_.mechanism, period);
+    guard.force = std::min(guard.force, options_.largestForce);
+    // A push gives energy on purpose: at most its force over 0.2 m.
+    if (scene.obstacles().empty()) guard.energy = std::max(guard.energy, options_.largestForce * kLongestMove);
+    HapticTick haptics(*opened_.mechanism, scene, Tool(), renderer, guard);
+    std::unique_ptr<Recorder> recorder;
+    if (header != nullptr) recorder = std::make_unique<Recorder>(options_.recording, *header, haptics);
+    Log log(static_cast<std::size_t>(duration * options_.rate));
+    log.recorder = recorder.get();
+    HapticLoopOptions how;
+    how.sink = &log;
+    if (options_.isSimulated) {
+      LoopBody body(*opened_.device, haptics, how);
+      for (int i = 0; i < static_cast<int>(duration * options_.rate); ++i) (void)body.step();
+      body.stop();
+      while (body.step()) {
+      }
+    } else {
+      if (opened_.hasOwnClock) how.period = std::max(1e-4, 0.25 * period);
+      const HapticLoop loop(*opened_.device, haptics, how);
+      std::this_thread::sleep_for(std::chrono::duration<double>(duration));
+    }
+    if (recorder) {
+      const RecordingResult result = recorder->close();
+      note("recording: " + options_.recording + ", " + std::to_string(result.ticks) + " ticks" +
+           (result.problem.empty() ? "" : ", " + result.problem));
+    }
+    return log;
+  }
+
+  static void requireNoFault(const Log& log) {
+    if (log.fault != GuardReason::none)
+      throw Surprise{std::string("the guard stopped the loop: ") + toString(log.fault)};
+  }
+
+  // Throw Surprise unless a motion is mainly along an axis, forwards.
+  static void requireAlong(const Vec3& way, int axis, const std::string& what, const char* direction) {
+    int main = 0;
+    const double size = way.cwiseAbs().maxCoeff(&main);
+    constexpr char kNames[] = {'x', 'y', 'z'};
+    if (main != axis)
+      throw Surprise{"the " + what + " moved along " + kNames[main] + " by " + text("%.2f mm", 1e3 * way[main]) +
+                     ", expected " + kNames[axis] + " (" + direction + "): wrong axis"};
+    if (way[axis] < 0.0)
+      throw Surprise{"the " + what + " moved along " + kNames[axis] + " by " + text("%.2f mm", -1e3 * size) +
+                     ", expected forwards (" + direction + "): wrong sign"};
+  }
+
+  // Compare the motion with the push: axis, sign, apparent mass and delay.
+  void judgePush(const Log& log, double force, int axis) {
+    requireNoFault(log);
+    const std::vector<Sample>& s = log.samples;
+    const auto isPushed = [](const Sample& sample) { return sample.force.norm() > 0.03; };
+    const auto first = static_cast<std::size_t>(std::find_if(s.begin(), s.end(), isPushed) - s.begin());
+    const auto length = static_cast<std::size_t>(kPush * options_.rate);
+    if (first == s.size() || first + length >= s.size()) throw Surprise{"the push of the loop did not act"};
+    // A hand that drifts is subtracted: its velocity before the push.
+    const std::size_t before = first - std::min(first, length);
+    const Vec3 drift = first > before
+                           ? Vec3((s[first].position - s[before].position) / static_cast<double>(first - before))
+                           : Vec3(Vec3::Zero());
+    const auto motion = [&](std::size_t i) {
+      return Vec3(s[first + i].position - s[first].position - static_cast<double>(i) * drift);
+    };
+    const Vec3 end = motion(length);
+    const std::string name = text("push of %.1f N ", force) + kDirections[axis];
+    note(name + ": " + text("%.2f, %.2f, %.2f mm", 1e3 * end.x(), 1e3 * end.y(), 1e3 * end.z()));
+    const double step = opened_.mechanism->limits().encoderStep[axis];
+    if (end.cwiseAbs().maxCoeff() < std::max(10.0 * step, 2e-4)) {
+      if (force > kMediumPush) throw Surprise{name + " moved the handle by less than 0.2 mm: unit of the forces?"};
+      return;  // friction or a firm hand
+    }
+    requireAlong(end, axis, "handle", kDirections[axis]);
+    if (force <= kMediumPush) return;
+
+    const auto [mass, delay] = fit(s, first, length / 2, axis, motion);
+    const Kinematics& home = opened_.mechanism->home();
+    const double wanted = effectiveMass(home, home.pose.position, Vec3::Unit(axis));
+    note("  " + text("apparent mass %.3f kg (file %.3f kg), ", mass, wanted) + "delay " + std::to_string(delay) +
+         " ticks (stated " + std::to_string(opened_.delay.low) + " to " + std::to_string(opened_.delay.high) + ")");
+    if (!(mass > wanted / kMassFactor && mass < wanted * kMassFactor))
+      throw Surprise{name + text(": the apparent mass is %.3f kg, the device file has %.3f kg: unit of the forces, or "
+                                 "the file?",
+                                 mass, wanted)};
+    if (delay < opened_.delay.low - kDelayError || delay > opened_.delay.high + kDelayError)
+      throw Surprise{name + ": the delay is " + std::to_string(delay) + " ticks, stated are " +
+                     std::to_string(opened_.delay.low) + " to " + std::to_string(opened_.delay.high)};
+  }
+
+  struct Fit {
+    double mass = 0.0;  // kg
+    int delay = 0;      // ticks
+  };
+
+  // Fit x = F2 / m - b X / m: F2 is the double integral of the delayed force, X that of the motion. Choose the delay
+  // with the smallest residual. b is the damping of the hand.
+  template <typename Motion>
+  Fit fit(const std::vector<Sample>& s, std::size_t first, std::size_t length, int axis, const Motion& motion) const {
+    Fit best;
+    double smallest = std::numeric_limits<double>::infinity();
+    for (int d = 0; d <= kMostDelay; ++d) {
+      double velocity = 0.0, position = 0.0, integral = 0.0, own = 0.0;
+      Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+      Eigen::Vector2d right = Eigen::Vector2d::Zero();
+      for (std::size_t i = 1; i <= length; ++i) {
+        const std::size_t now = first + i - 1, source = now - std::min(now, static_cast<std::size_t>(d));
+        const double force = s[source].force[axis], x = motion(i)[axis];
+        position += (velocity + 0.5 * force / options_.rate) / options_.rate;
+        velocity += force / options_.rate;
+        integral += 0.5 * (x + motion(i - 1)[axis]) / options_.rate;
+        const Eigen::Vector2d row(position, -integral);
+        normal += row * row.transpose();
+        right += x * row;
+        own += x * x;
+      }
+      const Eigen::Vector2d solution = normal.ldlt().solve(right);
+      const double residual = own - right.dot(solution);
+      if (!(residual < smallest)) continue;
+      smallest = residual;
+      best = {1.0 / solution[0], d};
+    }
+    return best;
+  }
+
+  bool wall(Renderer& renderer, const char* name, const std::map<std::string, std::string>& parameters,
+            const std::string& what, const std::string& recording) {
+    if (!confirm("Hold the handle in front of the middle of the workspace. Confirm, then push slowly away from you, "
+                 "against " +
+                 what + ", for 4 s. At most " + formatNumber(options_.largestForce) + " N act."))
+      return false;
+    const Scene scene = flatWall();
+    RecordingHeader header;
+    header.deviceFile = opened_.file.empty() ? opened_.mechanism->name() : opened_.file;
+    header.deviceText = opened_.text;
+    nameRenderer(name, "", parameters, scene, header);
+    const Log log = run(renderer, scene, kWall, recording.empty() ? nullptr : &header);
+    requireNoFault(log);
+    double deepest = 0.0, largest = 0.0;
+    for (const Sample& s : log.samples) {
+      deepest = std::max(deepest, -s.position.z());
+      largest = std::max(largest, s.force.norm());
+    }
+    note(what +
+         text(": %.0f ticks in contact, deepest %.2f mm, largest force %.2f N", log.contact, 1e3 * deepest, largest));
+    return true;
+  }
+
+  OpenedDevice& opened_;
+  const FirstTouchOptions& options_;
+  const std::function<bool(const std::string&)>& ask_;
+};
+
+}  // namespace
+
+FirstTouchResult firstTouch(OpenedDevice& opened, const FirstTouchOptions& options,
+                            const std::function<bool(const std::string& request)>& ask) {
+  FirstTouchResult result;
+  Trial trial(opened, options, ask);
+  try {
+    result.isComplete = trial.rest() && trial.moves() && trial.pushes() && trial.walls();
+  } catch (const Surprise& surprise) {
+    result.surprise = surprise.what;
+    trial.report += "SURPRISE: " + surprise.what + "\n";
+  }
+  result.report = trial.report;
+  return result;
+}
+
+}  // namespace enamel

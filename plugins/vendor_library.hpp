@@ -1,0 +1,40 @@
+// A library of a vendor, opened at run time: a driver loads without it, and says what is missing.
+#pragma once
+
+#include <dlfcn.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace enamel {
+
+class VendorLibrary {
+ public:
+  /// Open the first of these files that the system's loader finds. Throws std::runtime_error with the reason of each.
+  explicit VendorLibrary(const std::vector<std::string>& names) {
+    std::string reasons;
+    for (const std::string& name : names) {
+      handle_.reset(dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL));
+      if (handle_) return;
+      reasons += (reasons.empty() ? "" : "; ") + std::string(dlerror());
+    }
+    throw std::runtime_error("the vendor's library cannot be opened: " + reasons);
+  }
+
+  /// Find a function. Throws std::runtime_error if it is missing.
+  template <typename Function>
+  void bind(const char* name, Function& function) const {
+    function = reinterpret_cast<Function>(dlsym(handle_.get(), name));
+    if (function == nullptr) throw std::runtime_error(std::string("the vendor's library has no function ") + name);
+  }
+
+ private:
+  struct Closer {
+    void operator()(void* handle) const noexcept { dlclose(handle); }
+  };
+  std::unique_ptr<void, Closer> handle_;
+};
+
+}  // namespace enamel

@@ -1,0 +1,208 @@
+// The driver of Force Dimension with a stand-in of the vendor's library: devices, axes, moments, faults, and a wall.
+#include <dlfcn.h>
+
+#include <thread>
+
+#include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
+#include "enamel/plugin/driver_conformance.hpp"
+#include "enamel/session/session.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/devices.hpp"
+#include "support/eventually.hpp"
+
+namespace enamel::test_forcedimension {
+
+using test::ContainsSubstring;
+
+namespace {
+
+const std::string kFolder = ENAMEL_PLUGINS, kLibrary = ENAMEL_DHD_STAND_IN;
+
+// The stand-in in this process; the driver opens the same library.
+class StandIn {
+ public:
+  StandIn() : handle_(dlopen(kLibrary.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+    REQUIRE(handle_ != nullptr);
+    set_ = reinterpret_cast<void (*)(const char*, double)>(dlsym(handle_, "dhdStandIn"));
+    wrench_ = reinterpret_cast<double (*)(int)>(dlsym(handle_, "dhdStandInForce"));
+    for (const char* fault : {"unplugged", "early", "button", "turn-x", "turn-y", "turn-z"}) set(fault, 0.0);
+    set("power", 1.0);
+    set("count", 1.0);
+    set("model", 3.0);
+  }
+  ~StandIn() { dlclose(handle_); }
+  StandIn(const StandIn&) = delete;
+  StandIn& operator=(const StandIn&) = delete;
+
+  void set(const char* what, double value) { set_(what, value); }
+  double wrench(int axis) const { return wrench_(axis); }  // in the axes of the SDK
+
+ private:
+  void* handle_;
+  void (*set_)(const char*, double);
+  double (*wrench_)(int);
+};
+
+std::string urlOf(const std::string& index = "0") { return "forcedimension://" + index + "?library=" + kLibrary; }
+
+OpenedDevice openAt(const std::string& url) {
+  OpenDeviceOptions options;
+  options.pluginFolder = kFolder;
+  return openDevice(url, options);
+}
+
+struct Bench {
+  OpenedDevice opened = openAt(urlOf());
+  Measurement sample;
+  Command command{JointVector::Zero(opened.mechanism->joints())};
+
+  Bench() { opened.device->open(); }
+  ~Bench() { opened.device->close(); }
+  Status tick() {
+    (void)opened.device->actuate(command);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return opened.device->measure(sample);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the Force Dimension driver keeps the contract on each device, and allocates nothing", "[forcedimension]") {
+  StandIn standIn;
+  for (const auto& [model, file] :
+       {std::pair<double, const char*>{3.0, "omega-3.toml"}, {6.0, "omega-6.toml"}, {7.0, "sigma-7.toml"}}) {
+    standIn.set("model", model);
+    CHECK(openAt(urlOf()).text == readFile(test::deviceFile(file)));
+    DriverConformanceOptions options;
+    options.options = {{"library", kLibrary}};
+    options.duration = 0.1;
+    std::string failed;
+    CHECK(checkDriver(findDriver("forcedimension", kFolder), options, [&](const ConformanceResult& result) {
+      if (result.verdict == ConformanceResult::Verdict::failed) failed += result.what + ": " + result.detail + "\n";
+    }));
+    CHECK(failed.empty());
+  }
+  const auto check = test::run("check-driver forcedimension '0?library=" + kLibrary + "'");
+  INFO(check.output);
+  CHECK(check.status == 0);
+#ifndef ENAMEL_SANITIZED
+  CHECK_THAT(check.output, ContainsSubstring("passed       allocates nothing in measure and actuate"));
+#endif
+}
+
+TEST_CASE("refusals of the Force Dimension driver give the reason", "[forcedimension]") {
+  StandIn standIn;
+  const auto refuses = [](const std::string& url, const std::string& message) {
+    CHECK_THROWS_WITH(openAt(url), ContainsSubstring('"' + url + '"') && ContainsSubstring(message));
+  };
+  refuses("forcedimension://?library=/nowhere.so", "the vendor's library cannot be opened: /nowhere.so");
+  refuses("forcedimension://?library=" + kFolder + "/enamel_template.so", "has no function dhdGetDeviceCount");
+  refuses("forcedimension://one?library=" + kLibrary, "must be the number of a device, 0 to 63");
+  refuses(urlOf("1"), "device 1 is missing: 1 connected");
+  standIn.set("count", 0.0);
+  refuses(urlOf(), "device 0 is missing: 0 connected");
+  standIn.set("count", 1.0);
+  standIn.set("power", 0.0);
+  refuses(urlOf(), "the omega.3 has no power");
+}
+
+TEST_CASE("positions and forces of each Force Dimension device have the axes of W", "[forcedimension]") {
+  StandIn standIn;
+  for (const double model : {3.0, 6.0, 7.0}) {
+    standIn.set("model", model);
+    Bench bench;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double force : {0.5, -0.5}) {
+        bench.command.effort.setZero();
+        bench.command.effort[axis] = force;
+        INFO(model << " " << axis << " " << force);
+        // The hand has 100 N/m: 5 mm in the direction of the force, and nothing across.
+        REQUIRE(test::eventually([&] {
+          return bench.tick() == Status::ok && std::abs(bench.sample.q[axis] - 0.01 * force) < 2e-4 &&
+                 std::abs(bench.sample.q[(axis + 1) % 3]) < 2e-4 && std::abs(bench.sample.q[(axis + 2) % 3]) < 2e-4;
+        }));
+      }
+    CHECK(bench.sample.enabled);
+    bench.command.effort[0] = 1e3;
+    (void)bench.tick();
+    CHECK(std::abs(standIn.wrench(1)) <= 20.0);  // x of W is y of the SDK
+    CHECK(bench.sample.gripper.has_value() == (model == 7.0));
+  }
+}
+
+TEST_CASE("rotations and moments of Force Dimension devices have the axes of W", "[forcedimension]") {
+  StandIn standIn;
+  for (const double model : {6.0, 7.0}) {
+    standIn.set("model", model);
+    Bench bench;
+    standIn.set("turn-x", 0.5);  // about the axis towards the user: z of W
+    REQUIRE(test::eventually([&] {
+      return bench.tick() == Status::ok && std::abs(bench.sample.q[5] - 0.5) < 0.01 &&
+             std::abs(bench.sample.q[3]) < 0.01 && std::abs(bench.sample.q[4]) < 0.01;
+    }));
+    standIn.set("turn-y", 0.4);  // x of W
+    REQUIRE(test::eventually([&] {
+      return bench.tick() == Status::ok && std::abs(bench.sample.q[5] - 0.5) < 0.01 &&
+             std::abs(bench.sample.q[3] - 0.4) < 0.01;
+    }));
+    // Efforts of a wrench J^T F become that wrench, in the axes of the SDK; without motors the moment is zero.
+    Kinematics k = bench.opened.mechanism->home();
+    REQUIRE(bench.opened.mechanism->track(bench.sample.q, bench.sample.rates, false, k) == Status::ok);
+    Vec6 wrench;
+    wrench << 0.1, 0.2, 0.3, 0.01, -0.02, 0.03;
+    bench.command.effort = torqueOf(k.jacobian, wrench);
+    (void)bench.opened.device->actuate(bench.command);
+    const double moment = model == 7.0 ? 1.0 : 0.0;
+    const double wanted[] = {0.3, 0.1, 0.2, moment * 0.03, moment * 0.01, moment * -0.02};
+    for (int i = 0; i < 6; ++i) CHECK(standIn.wrench(i) == Approx(wanted[i]).margin(1e-9));
+    standIn.set("turn-x", 0.0);
+    standIn.set("turn-y", 0.0);
+  }
+}
+
+TEST_CASE("faults of a Force Dimension device are missing samples, a disabled device or a lost one",
+          "[forcedimension]") {
+  StandIn standIn;
+  Bench bench;
+  REQUIRE(bench.tick() == Status::ok);
+  standIn.set("button", 1.0);
+  REQUIRE(bench.tick() == Status::ok);
+  CHECK(bench.sample.buttons == 1);
+  standIn.set("early", 1.0);
+  CHECK(bench.tick() == Status::stale);
+  standIn.set("early", 0.0);
+  CHECK(bench.tick() == Status::ok);
+  standIn.set("forces", 0.0);  // the device cuts its forces by itself
+  REQUIRE(test::eventually([&] { return bench.tick() == Status::ok && !bench.sample.enabled; }));
+  standIn.set("unplugged", 1.0);
+  CHECK(bench.tick() == Status::inactive);
+  CHECK(bench.opened.device->actuate(bench.command) == Status::inactive);
+  bench.opened.device->close();
+  CHECK_THROWS_WITH(bench.opened.device->open(), ContainsSubstring("does not switch its forces on: stand-in"));
+  standIn.set("unplugged", 0.0);
+  bench.opened.device->open();
+  CHECK(bench.tick() == Status::ok);
+  CHECK(test::eventually([&] { return bench.tick() == Status::ok && bench.sample.enabled; }));
+}
+
+TEST_CASE("a session feels a wall with the Force Dimension driver", "[forcedimension]") {
+  StandIn standIn;
+  SessionDef def;
+  def.device = urlOf();
+  def.pluginFolder = kFolder;
+  Session session(def);
+  Obstacle wall = flatWall().obstacles()[0];
+  wall.pose.position.z() = 2e-3;  // the hand holds the device 2 mm inside
+  (void)session.add({wall});
+  session.startOpened();
+  REQUIRE(test::eventually([&] {
+    if (session.snapshot().fault != GuardReason::none) session.reset();  // on a busy machine a tick may come late
+    // The hand has 100 N/m, and its force along z is x of the SDK.
+    return session.snapshot().tick.mode == RenderMode::contact && std::abs(standIn.wrench(0) - 0.2) < 0.05;
+  }));
+  session.stop();
+}
+
+}  // namespace enamel::test_forcedimension

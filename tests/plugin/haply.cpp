@@ -1,0 +1,263 @@
+// The driver of the Haply Inverse3 with a stand-in of its service: messages, axes, every fault, and a wall.
+#include <thread>
+
+#include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
+#include "enamel/session/session.hpp"
+#include "plugins/haply/message.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/devices.hpp"
+#include "support/eventually.hpp"
+#include "support/haply_service.hpp"
+
+namespace enamel::test_haply {
+
+using test::ContainsSubstring;
+using test::HaplyService;
+
+namespace {
+
+const std::string kFile = test::deviceFile("inverse3.toml");
+const std::string kFolder = ENAMEL_PLUGINS;
+
+std::string urlOf(const HaplyService& service, const std::string& options = "") {
+  return "haply://" + service.address() + options;
+}
+
+OpenedDevice openAt(const std::string& url) {
+  OpenDeviceOptions options;
+  options.pluginFolder = kFolder;
+  return openDevice(url, options);
+}
+
+// A device that is measured and commanded in this thread.
+struct Bench {
+  OpenedDevice opened;
+  Measurement sample;
+  Command command{JointVector::Zero(3)};
+
+  explicit Bench(const HaplyService& service) : opened(openAt(urlOf(service))) { opened.device->open(); }
+  ~Bench() { opened.device->close(); }
+
+  // Return the status of measure() after a command and up to 1 ms.
+  Status tick() {
+    (void)opened.device->actuate(command);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return opened.device->measure(sample);
+  }
+  bool samplesAgain() {
+    return test::eventually([this] { return tick() == Status::ok; });
+  }
+};
+
+}  // namespace
+
+TEST_CASE("messages of the Haply service are read in any order, and others are refused", "[haply]") {
+  using haply::readMessage;
+  const haply::Message message = readMessage(
+      R"( {"session_id": 7, "verse_grip": [{"state": {"buttons": {"c": true, "q": 1, "a": true}}}, {"state": {"buttons": {"b": true}}}],
+       "inverse3": [ {"state": {"cursor_velocity": {"z": 3e-1, "x": -1, "y": 2}, "other": [1, {"a": "\"}"}, null],
+       "cursor_position": {"x": 0.5, "w": 9, "y": -0.25, "z": 1.0}}, "device_id": "049D",
+       "config": {"basis": {"permutation": "XYZ"}, "type": "inverse3"}, "status": {"calibrated": false, "ready": true}},
+       {"device_id": "1", "state": {"cursor_position": {"x": 1, "y": 2}}} ] } )");
+  REQUIRE(message.isValid);
+  REQUIRE(message.count == 2);
+  CHECK(message.buttons == 5);
+  const haply::DeviceState& d = message.devices[0];
+  CHECK(d.id == "049D");
+  CHECK(d.type == "inverse3");
+  CHECK(d.basis == "XYZ");
+  CHECK_FALSE(d.isCalibrated);
+  CHECK(d.hasPosition);
+  CHECK(d.position == haply::Numbers{0.5, -0.25, 1.0});
+  CHECK(d.velocity == haply::Numbers{-1.0, 2.0, 0.3});
+  CHECK_FALSE(message.devices[1].hasPosition);
+
+  const std::string deep(100, '['), valid = R"({"inverse3":[{"device_id":"1"}]})";
+  for (const std::string& bad :
+       {std::string(), std::string("null"), std::string("{"), std::string("[]"), deep, "{\"a\":" + deep + "}",
+        valid + "x", std::string(R"({"inverse3":[{"state":{"cursor_position":{"x":nan,"y":0,"z":0}}}]})"),
+        std::string(R"({"inverse3":[{"state":{"cursor_position":{"x":1e999,"y":0,"z":0}}}]})"),
+        std::string(R"({"inverse3":[{"state":{"cursor_position":{"x":inf,"y":0,"z":0}}}]})"), std::string(R"({"a":"\)"),
+        std::string(R"({"a" 1})"), std::string(R"({"inverse3":{}})")}) {
+    INFO(bad);
+    CHECK_FALSE(readMessage(bad).isValid);
+  }
+  CHECK(readMessage(valid).isValid);
+  for (std::size_t length = 0; length < valid.size(); ++length)
+    CHECK_FALSE(readMessage(valid.substr(0, length)).isValid);
+  std::string many = R"({"inverse3":[{})";
+  for (int i = 0; i < 20; ++i) many += ",{}";
+  CHECK(readMessage(many + "]}").count == 8);
+}
+
+TEST_CASE("commands of the Haply service have both formats", "[haply]") {
+  std::array<char, haply::kMessageBytes> text{};
+  const auto written = [&](haply::Format format, bool isFirst, const haply::Numbers& force) {
+    return std::string(text.data(), haply::writeForce("049D", force, format, isFirst, text));
+  };
+  CHECK(
+      written(haply::Format::v35, false, {1.0, -2.5, 0.0}) ==
+      R"({"inverse3":[{"device_id":"049D","commands":{"set_cursor_force":{"vector":{"x":1.00000,"y":-2.50000,"z":0.00000}}}}]})");
+  CHECK_THAT(written(haply::Format::v31, false, {}), ContainsSubstring(R"("set_cursor_force":{"values":{)"));
+  CHECK_THAT(written(haply::Format::v35, true, {}),
+             ContainsSubstring(R"({"session":{"configure":{"profile":{"name":"enamel"}}},)"));
+  CHECK_THAT(written(haply::Format::v31, true, {}), !ContainsSubstring("session"));
+  CHECK(haply::writeForce(std::string(33, 'a'), {}, haply::Format::v35, true, text) == 0);
+  CHECK(written(haply::Format::v35, true, {-1e300, 0.0, 0.0}).empty());
+}
+
+TEST_CASE("the Haply driver keeps the contract of drivers, and allocates nothing in a tick", "[haply]") {
+  const HaplyService service(kFile, 0.02, 0.01);
+  // In another process: the service allocates.
+  const auto check = test::run("check-driver haply '" + service.address() + "?id=049D'");
+  INFO(check.output);
+  CHECK(check.status == 0);
+  CHECK_THAT(check.output, ContainsSubstring("the plugin keeps the contract") && ContainsSubstring("Haply Inverse3"));
+#ifndef ENAMEL_SANITIZED
+  CHECK_THAT(check.output, ContainsSubstring("passed       allocates nothing in measure and actuate"));
+#endif
+}
+
+TEST_CASE("refusals of the Haply driver give the reason", "[haply]") {
+  HaplyService service(kFile, 0.02, 0.01);
+  const auto refuses = [&](const std::string& url, const std::string& message) {
+    CHECK_THROWS_WITH(openAt(url), ContainsSubstring('"' + url + '"') && ContainsSubstring(message));
+  };
+  refuses("haply://127.0.0.1:1", "127.0.0.1:1: Connection refused");
+  refuses("haply://127.0.0.1", "must be HOST:PORT, such as localhost:10001");
+  refuses("haply://127.0.0.1:99999", "must be HOST:PORT");
+  refuses(urlOf(service, "?id=7"), "the service has no Inverse3 \"7\", only 049D");
+  refuses(urlOf(service, "?centre=1,2"), "centre is \"1,2\", must be X,Y,Z in m");
+  refuses(urlOf(service, "?format=2"), "format is \"2\", must be 3.1 or 3.5");
+  refuses(urlOf(service, "?ports=2"), "unknown option \"ports\", possible are id, centre, format");
+  refuses(urlOf(service, "?device=" + test::deviceFile("cartesian-6.toml")),
+          "has 6 joints, the connected device has 3");
+  service.isUncalibrated = true;
+  refuses(urlOf(service), "the Inverse3 049D is not calibrated");
+  service.isUncalibrated = false;
+  service.isPermuted = true;
+  refuses(urlOf(service), "basis XZY");
+}
+
+TEST_CASE("samples, forces and buttons have the axes of W", "[haply]") {
+  HaplyService service(kFile, 0.02, 0.01);
+  Bench bench(service);
+  CHECK(bench.opened.text == readFile(kFile));
+  REQUIRE(bench.samplesAgain());
+  CHECK(service.hasProfile);
+  CHECK(bench.sample.buttons == 2);
+  CHECK(bench.sample.q[2] > 0.005);  // the hand is 10 to 20 mm in front of the middle
+  CHECK(bench.sample.q[2] < 0.025);
+  CHECK(std::abs(bench.sample.q[0]) < 1e-3);
+  CHECK(std::abs(bench.sample.q[1]) < 1e-3);
+  bench.command.effort = Vec3(0.0, 0.5, 0.0);  // up
+  REQUIRE(test::eventually([&] { return bench.tick() == Status::ok && bench.sample.q[1] > 1e-3; }));
+  CHECK(service.force == Approx(0.5));  // the service's z is up
+  bench.command.effort = Vec3(0.5, 0.0, 0.0);
+  REQUIRE(test::eventually([&] { return bench.tick() == Status::ok && bench.sample.q[0] > 1e-3; }));
+  // Rates are those of the motion: their integral is the way.
+  bench.command.effort.setZero();
+  double way = 0.0, begin = 0.0, end = 0.0, last = 0.0;
+  for (int i = 0; i < 300; ++i)
+    if (bench.tick() == Status::ok) {
+      if (last == 0.0) begin = bench.sample.q[2];
+      if (last > 0.0) way += bench.sample.rates[2] * (bench.sample.time - last);
+      end = bench.sample.q[2];
+      last = bench.sample.time;
+    }
+  CHECK(std::abs(end - begin - way) < 2e-3);     // the low pass of 100 Hz and the clock's jitter
+  bench.command.effort = Vec3(100.0, 0.0, 0.0);  // cut at the largest force
+  (void)bench.tick();
+  REQUIRE(bench.samplesAgain());
+  CHECK(service.largestForce == Approx(6.0));
+}
+
+TEST_CASE("faults of the Haply service are missing samples or a lost device, and never wait", "[haply]") {
+  HaplyService service(kFile, 0.02, 0.01);
+  Bench bench(service);
+  REQUIRE(bench.samplesAgain());
+
+  SECTION("members in another order") {
+    service.isShuffled = true;
+    for (int i = 0; i < 20; ++i) (void)bench.tick();
+    REQUIRE(bench.samplesAgain());
+    CHECK(bench.sample.q[2] > 0.005);
+    CHECK(bench.sample.q[2] < 0.025);
+  }
+  SECTION("a slow socket") {
+    service.isSlow = true;
+    for (int i = 0; i < 20; ++i) (void)bench.tick();
+    REQUIRE(bench.samplesAgain());
+    CHECK(bench.sample.q[2] > 0.005);
+  }
+  SECTION("a late answer") {
+    service.lateOnce_ms = 200;
+    (void)bench.tick();
+    int refused = 0;
+    for (int i = 0; i < 20; ++i) {
+      refused += bench.opened.device->actuate(bench.command) == Status::stale;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    CHECK(bench.opened.device->measure(bench.sample) == Status::stale);
+    CHECK(refused > 0);  // at most eight messages wait
+    REQUIRE(bench.samplesAgain());
+  }
+  SECTION("the device is unplugged and plugged in again") {
+    service.isUnplugged = true;
+    (void)bench.tick();
+    REQUIRE(test::eventually([&] { return bench.tick() == Status::stale; }));
+    for (int i = 0; i < 10; ++i) CHECK(bench.tick() == Status::stale);
+    service.isUnplugged = false;
+    REQUIRE(bench.samplesAgain());
+  }
+  SECTION("garbage") {
+    service.isGarbage = true;
+    REQUIRE(test::eventually([&] { return bench.tick() == Status::stale; }));
+    service.isGarbage = false;
+    REQUIRE(bench.samplesAgain());
+  }
+  SECTION("the service ends") {
+    service.isClosing = true;
+    REQUIRE(test::eventually([&] { return bench.tick() == Status::inactive; }));
+    CHECK(bench.opened.device->actuate(bench.command) == Status::inactive);
+    bench.opened.device->close();
+    bench.opened.device->open();  // connects again
+    REQUIRE(bench.samplesAgain());
+  }
+}
+
+TEST_CASE("a session feels a wall with the Haply driver, and stops when the device is unplugged in contact",
+          "[haply]") {
+  HaplyService service(kFile, 0.010, -0.010);
+  SessionDef def;
+  def.device = urlOf(service);
+  def.pluginFolder = kFolder;
+  Session session(def);
+  (void)session.add({flatWall().obstacles()[0]});
+  // On a busy machine a tick may come late. Then start again.
+  const auto touches = [&] {
+    if (session.snapshot().fault != GuardReason::none) session.reset();
+    return session.snapshot().tick.mode == RenderMode::contact && session.snapshot().fault == GuardReason::none;
+  };
+  session.startOpened();
+  REQUIRE(test::eventually([&] { return touches() && service.largestForce > 0.3; }));
+  service.isUnplugged = true;
+  REQUIRE(test::eventually([&] { return session.snapshot().fault != GuardReason::none; }));
+  CHECK(test::eventually([&] { return session.snapshot().tick.command.effort.isZero(1e-12); }));
+  CHECK(test::eventually([&] {
+    for (SessionEvent event; session.nextEvent(event);)
+      if (event.kind == EventKind::deviceLost) return true;
+    return false;
+  }));
+  service.isUnplugged = false;
+  // It comes back only after a reset.
+  REQUIRE(test::eventually([&] { return session.snapshot().tick.device == Status::ok; }));
+  CHECK(session.snapshot().fault != GuardReason::none);
+  CHECK(session.snapshot().tick.command.effort.isZero(1e-12));
+  CHECK(test::eventually(touches));
+  session.stop();
+}
+
+}  // namespace enamel::test_haply

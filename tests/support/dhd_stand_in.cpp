@@ -1,0 +1,151 @@
+// A stand-in of Force Dimension's library: the documented functions that the driver uses, and simulated devices. The
+// function dhdStandIn() is not the vendor's: it selects the device and its faults.
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "enamel/device/device_file.hpp"
+#include "enamel/sim/virtual_device.hpp"
+
+using namespace enamel;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct StandIn {
+  int model = 3;  // axes: 3, 6 (the wrist has no motors), 7 (with a gripper)
+  int count = 1;
+  bool isOpen = false, hasPower = true, forces = false, button = false, isUnplugged = false, isEarly = false;
+  double wrench[7] = {};
+  std::shared_ptr<const Mechanism> mechanism;
+  std::unique_ptr<VirtualDevice> device;
+  Clock::time_point begin;
+  Measurement sample;
+  Vec3 turn = Vec3::Zero();  // of the hand's target, axes of the SDK, rad
+};
+StandIn s;
+
+Mat3 axes() { return (Mat3() << 0, 1, 0, 0, 0, 1, 1, 0, 0).finished(); }  // world = axes * sdk
+
+// Simulate to the present, at most 0.1 s. The hand holds the device at the middle, turned by `turn`.
+void advance() {
+  const double now = std::chrono::duration<double>(Clock::now() - s.begin).count();
+  if (now - s.device->time() > 0.1)
+    s.begin = Clock::now() - std::chrono::microseconds(static_cast<long>(1e6 * (s.device->time() + 0.1)));
+  while (s.device->time() < std::chrono::duration<double>(Clock::now() - s.begin).count()) {
+    (void)s.device->measure(s.sample);
+    Command command{JointVector::Zero(s.mechanism->joints())};
+    if (s.forces) {
+      const Vec3 f = axes() * Eigen::Map<const Vec3>(s.wrench), t = axes() * Eigen::Map<const Vec3>(s.wrench + 3);
+      command.effort.head<3>() = f;
+      // tau = J^T F at the present turn.
+      if (s.model == 7) {
+        Vec6 wrench;
+        wrench << f, t;
+        command.effort = torqueOf(s.device->kinematics().jacobian, wrench);
+      }
+    }
+    (void)s.device->actuate(command);
+    const Mat3 target =
+        axes() *
+        Eigen::AngleAxisd(s.turn.norm(), s.turn.norm() > 0 ? Vec3(s.turn.normalized()) : Vec3(Vec3::UnitX()))
+            .toRotationMatrix() *
+        axes().transpose();
+    (void)s.device->advance([&](double, const Pose& pose, const Vec6& twist) {
+      Vec6 wrench;
+      const Eigen::AngleAxisd left(Mat3(target * pose.rotation.transpose()));
+      wrench << -100.0 * pose.position - 5.0 * twist.head<3>(),
+          0.2 * left.angle() * left.axis() - 0.02 * twist.tail<3>();
+      if (s.mechanism->joints() == 3) wrench.tail<3>().setZero();
+      return wrench;
+    });
+  }
+}
+
+}  // namespace
+
+#pragma GCC visibility push(default)
+extern "C" {
+
+// what: "model" (3, 6, 7), "count", "power", "button", "unplugged", "early", "turn-x", "turn-y", "turn-z".
+void dhdStandIn(const char* what, double value) {
+  const auto is = [what](const char* name) { return std::strcmp(what, name) == 0; };
+  if (is("model")) s.model = static_cast<int>(value);
+  if (is("count")) s.count = static_cast<int>(value);
+  if (is("power")) s.hasPower = value != 0.0;
+  if (is("button")) s.button = value != 0.0;
+  if (is("unplugged")) s.isUnplugged = value != 0.0;
+  if (is("early")) s.isEarly = value != 0.0;
+  if (is("forces")) s.forces = value != 0.0;
+  for (int i = 0; i < 3; ++i)
+    if (std::strncmp(what, "turn-", 5) == 0 && what[5] == "xyz"[i]) s.turn[i] = value;
+}
+double dhdStandInForce(int axis) { return s.wrench[axis]; }
+
+int dhdGetDeviceCount() { return s.count; }
+int dhdOpenID(char index) {
+  if (index >= s.count) return -1;
+  const char* const files[] = {"omega-3", "omega-6", "sigma-7"};
+  const char* const file = files[s.model == 3 ? 0 : s.model == 6 ? 1 : 2];
+  s.mechanism = makeMechanism(loadDevice(std::string(ENAMEL_SOURCE_DIR "/data/devices/") + file + ".toml"));
+  VirtualDeviceSetup setup;
+  setup.period = 2.5e-4;
+  setup.encoders.quantised = true;
+  s.device = std::make_unique<VirtualDevice>(*s.mechanism, setup);
+  s.begin = Clock::now();
+  s.isOpen = true;
+  advance();
+  return 5;  // a number of the SDK, not the index
+}
+int dhdClose(char) {
+  s.isOpen = false;
+  return 0;
+}
+const char* dhdGetSystemName(char) { return s.model == 3 ? "omega.3" : s.model == 6 ? "omega.6" : "sigma.7"; }
+bool dhdHasWrist(char) { return s.model > 3; }
+bool dhdHasActiveWrist(char) { return s.model == 7; }
+bool dhdHasGripper(char) { return s.model == 7; }
+int dhdEnableForce(unsigned char on, char) {
+  s.forces = on != 0;
+  return 0;
+}
+int dhdGetStatus(int* status, char) {
+  std::memset(status, 0, 16 * sizeof(int));
+  status[0] = s.hasPower;
+  status[1] = 1;
+  status[5] = s.forces;
+  return s.isUnplugged ? -1 : 0;
+}
+int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double rotation[3][3], char id) {
+  if (s.isUnplugged || id != 5 || !s.isOpen) return -1;
+  advance();
+  Kinematics k = s.mechanism->home();
+  (void)s.mechanism->track(s.sample.q, s.sample.rates, false, k);
+  const Vec3 p = axes().transpose() * k.pose.position;
+  *x = p.x();
+  *y = p.y();
+  *z = p.z();
+  const Mat3 frame = axes().transpose() * k.pose.rotation * axes();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) rotation[i][j] = frame(i, j);
+  return s.isEarly ? 1 : 0;
+}
+int dhdGetGripperAngleRad(double* angle, char) {
+  *angle = 0.25;
+  return 0;
+}
+unsigned dhdGetButtonMask(char) { return s.button ? 1U : 0U; }
+int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz, double fg,
+                                        char) {
+  if (s.isUnplugged) return -1;
+  if (s.isOpen) advance();
+  const double wrench[] = {fx, fy, fz, tx, ty, tz, fg};
+  std::memcpy(s.wrench, wrench, sizeof wrench);
+  return 0;
+}
+const char* dhdErrorGetLastStr() { return "stand-in"; }
+
+}  // extern "C"
+#pragma GCC visibility pop

@@ -1,0 +1,185 @@
+#include "support/haply_service.hpp"
+
+#include <sys/socket.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "enamel/device/device_file.hpp"
+#include "enamel/sim/virtual_device.hpp"
+#include "runtime/system_thread.hpp"
+
+namespace enamel::test {
+
+namespace {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+using tcp = net::ip::tcp;
+
+constexpr double kPeriod = 2.5e-4;  // s, of the device
+const char* const kId = "049D";
+const Vec3 kCentre(0.0, -0.14, 0.18);  // of the workspace, in the service's axes, m
+
+Json jsonOf(const Vec3& v) { return Json{{"x", v.x()}, {"y", v.y()}, {"z", v.z()}}; }
+
+// Between W (x right, y up, z towards the user) and the service's axes (x right, y forward, z up).
+Vec3 toService(const Vec3& w) { return {w.x(), -w.z(), w.y()}; }
+Vec3 toWorld(const Vec3& s) { return {s.x(), s.z(), -s.y()}; }
+
+VirtualDeviceSetup setupAt(double z) {
+  VirtualDeviceSetup setup;
+  setup.start.position.z() = z;
+  setup.period = kPeriod;
+  setup.encoders = {true, RateSource::lowPass, 100.0};
+  return setup;
+}
+
+}  // namespace
+
+struct HaplyService::Server {
+  HaplyService& service;
+  std::shared_ptr<const Mechanism> mechanism;
+  double high, low;
+  VirtualDevice device;
+  Clock::time_point begin = Clock::now();
+  net::io_context io;
+  tcp::acceptor acceptor{io, tcp::endpoint(net::ip::address_v4::loopback(), 0)};
+  std::atomic<int> open{-1};  // the socket of the client
+  std::atomic<bool> stops{false};
+  std::thread thread;
+
+  Server(HaplyService& s, const std::string& file, double from, double to)
+      : service(s),
+        mechanism(makeMechanism(loadDevice(file))),
+        high(from),
+        low(to),
+        device(*mechanism, setupAt(from)),
+        thread([this] { run(); }) {}
+  ~Server() {
+    stops = true;
+    shutdown(acceptor.native_handle(), SHUT_RDWR);
+    if (const int client = open; client >= 0) shutdown(client, SHUT_RDWR);
+    thread.join();
+  }
+
+  void run() {
+    (void)system::requestRealtime(70);  // other programs on this machine are not part of the test
+    while (!stops) {
+      beast::error_code error;
+      tcp::socket socket(io);
+      acceptor.accept(socket, error);
+      if (error) continue;
+      socket.set_option(tcp::no_delay(true));
+      open = socket.native_handle();
+      if (!stops) serve(std::move(socket));
+      open = -1;
+    }
+  }
+
+  void serve(tcp::socket socket) {
+    beast::websocket::stream<tcp::socket> stream(std::move(socket));
+    beast::error_code error;
+    stream.accept(error);
+    stream.text(true);
+    if (!error) stream.write(net::buffer(stateText(true)), error);
+    while (!error) {
+      beast::flat_buffer buffer;
+      stream.read(buffer, error);
+      if (error || service.isClosing.exchange(false)) return;
+      take(Json::parse(beast::buffers_to_string(buffer.data())));
+      ++service.messages;
+      const int late = service.late_ms + service.lateOnce_ms.exchange(0);
+      if (late > 0) std::this_thread::sleep_for(std::chrono::milliseconds(late));
+      const std::string text = service.isGarbage ? "{\"inverse3\":[{\"device_id" : stateText(false);
+      service.isSlow ? writeSlowly(stream, text, error) : void(stream.write(net::buffer(text), error));
+    }
+  }
+
+  // Two fragments of one message, and a pause within the second frame.
+  static void writeSlowly(beast::websocket::stream<tcp::socket>& stream, const std::string& text,
+                          beast::error_code& error) {
+    const std::size_t half = text.size() / 2;
+    stream.write_some(false, net::buffer(text.data(), half), error);
+    std::this_thread::sleep_for(std::chrono::microseconds(300));
+    if (!error) stream.write_some(true, net::buffer(text.data() + half, text.size() - half), error);
+  }
+
+  void take(const Json& message) {
+    advance();
+    if (message.contains("session")) service.hasProfile = true;
+    const Json& command = message.at("inverse3").at(0);
+    if (command.at("device_id") != kId) return;
+    const Json& v = command.at("commands").at("set_cursor_force").at("vector");
+    const Vec3 f(v.at("x"), v.at("y"), v.at("z"));
+    service.force = f.z();
+    service.largestForce = std::max(service.largestForce.load(), f.norm());
+    command_ = {JointVector(toWorld(f))};
+  }
+
+  // Simulate to the present, at most 0.1 s.
+  void advance() {
+    const double now = std::chrono::duration<double>(Clock::now() - begin).count() - skipped_;
+    if (now - device.time() > 0.1) skipped_ += now - device.time() - 0.1;
+    while (device.time() < std::chrono::duration<double>(Clock::now() - begin).count() - skipped_) {
+      (void)device.measure(sample_);
+      (void)device.actuate(command_);
+      (void)device.advance([this](double time, const Pose& pose, const Vec6& twist) {
+        const double z = 0.5 * (high + low) + 0.5 * (high - low) * std::cos(2.0 * M_PI * time);
+        Vec6 wrench = Vec6::Zero();
+        wrench.head<3>() = 150.0 * (Vec3(0.0, 0.0, z) - pose.position) - 5.0 * twist.head<3>();
+        return wrench;
+      });
+    }
+  }
+
+  std::string stateText(bool isFirst) {
+    advance();
+    const Json state{{"cursor_position", jsonOf(toService(Vec3(sample_.q)) + kCentre)},
+                     {"cursor_velocity", jsonOf(toService(Vec3(sample_.rates)))},
+                     {"current_cursor_force", jsonOf(toService(Vec3(command_.effort)))},
+                     {"control_mode", "force"}};
+    Json entry{{"device_id", kId}};
+    if (isFirst) {
+      entry["config"] = {{"type", "inverse3"}, {"basis", {{"permutation", service.isPermuted ? "XZY" : "XYZ"}}}};
+      entry["status"] = {{"calibrated", !service.isUncalibrated}};
+    }
+    entry["state"] = state;
+    Json grip{{"device_id", "0012"}, {"state", {{"buttons", {{"a", false}, {"b", true}, {"c", false}}}}}};
+    Json message{{"session_id", 7}, {"inverse3", Json::array()}, {"wireless_verse_grip", Json::array({grip})}};
+    if (!service.isUnplugged || isFirst) message["inverse3"].push_back(entry);
+    if (service.isShuffled && !isFirst && !service.isUnplugged) {
+      Json mixed{{"state",
+                  {{"angular_velocity", {{"a0", -1.5e-3}}},
+                   {"cursor_velocity",
+                    {{"z", state["cursor_velocity"]["z"]}, {"x", 0.0}, {"y", state["cursor_velocity"]["y"]}}},
+                   {"notes", {nullptr, "a \"quoted\" \\ text", {{"deep", {1, 2.5e-7, {true, false}}}}}},
+                   {"cursor_position", state["cursor_position"]}}},
+                 {"device_id", kId}};
+      mixed["state"]["cursor_velocity"]["x"] = state["cursor_velocity"]["x"];
+      message = {{"wireless_verse_grip", message["wireless_verse_grip"]}, {"inverse3", {mixed}}, {"session_id", 7}};
+    }
+    return message.dump();
+  }
+
+  Measurement sample_;
+  Command command_{JointVector::Zero(3)};
+  double skipped_ = 0.0;  // s, of the clock
+};
+
+HaplyService::HaplyService(const std::string& deviceFile, double high, double low)
+    : server_(std::make_unique<Server>(*this, deviceFile, high, low)) {}
+HaplyService::~HaplyService() = default;
+std::string HaplyService::address() const {
+  return "127.0.0.1:" + std::to_string(server_->acceptor.local_endpoint().port());
+}
+
+}  // namespace enamel::test

@@ -1,0 +1,43 @@
+// A stand-in of the Haply Inverse service: a WebSocket with the messages that docs.haply.co describes, and a simulated
+// Inverse3 that a hand holds. Faults are switched while it runs.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace enamel::test {
+
+class HaplyService {
+ public:
+  /// The hand moves the device along W's z: from `high` to `low` and back within 1 s (m).
+  HaplyService(const std::string& deviceFile, double high, double low);
+  ~HaplyService();
+  HaplyService(const HaplyService&) = delete;
+  HaplyService& operator=(const HaplyService&) = delete;
+
+  /// Return "127.0.0.1:PORT".
+  std::string address() const;
+
+  // Faults.
+  std::atomic<int> late_ms{0};              ///< before each answer
+  std::atomic<int> lateOnce_ms{0};          ///< before the next answer
+  std::atomic<bool> isShuffled{false};      ///< members in another order, and members that nobody knows
+  std::atomic<bool> isSlow{false};          ///< each answer in two halves, 0.3 ms apart
+  std::atomic<bool> isUnplugged{false};     ///< answers without the device
+  std::atomic<bool> isGarbage{false};       ///< answers that are not JSON
+  std::atomic<bool> isClosing{false};       ///< closes the connection at the next message
+  std::atomic<bool> isUncalibrated{false};  ///< in the first message
+  std::atomic<bool> isPermuted{false};      ///< in the first message
+
+  std::atomic<std::uint64_t> messages{0};             ///< received
+  std::atomic<double> force{0.0}, largestForce{0.0};  ///< newest and largest force along z of the service, N
+  std::atomic<bool> hasProfile{false};                ///< the session named itself
+
+ private:
+  struct Server;
+  std::unique_ptr<Server> server_;
+};
+
+}  // namespace enamel::test
