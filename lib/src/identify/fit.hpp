@@ -18,7 +18,7 @@
 
 namespace enamel::identify {
 
-inline constexpr double kFineStep = 5e-5;  // s, of refine()
+inline constexpr double kFineStep = 5e-5;     // s, of refine()
 inline constexpr double kNoiseBegin = 100.0;  // Hz
 
 class Fit {
@@ -35,9 +35,10 @@ class Fit {
   /// Use the data from `begin` s to `end` s, counted over all motions. Infinite: to their end.
   void use(double begin, double end);
 
-  /// Take at most `steps` steps of Gauss and Newton. `isRelative` weights each band by the power of the reading: for a
-  /// model that is far from the device. `keepsSlopes` reuses the derivatives of the last call.
-  void improve(int steps, bool isRelative, bool keepsSlopes = false);
+  /// Take at most `steps` steps of Gauss and Newton. Derivatives are computed again if they predict a step badly, or
+  /// never with `keepsSlopes`. `corner` is for a model that is far from the device: an error of 5 % of the reading
+  /// counts as noise, and more above that frequency, Hz. With 0 the residual is the noise.
+  void improve(int steps, double corner = 0.0, bool keepsSlopes = false);
 
   /// Return the minus log likelihood L at x, with its prior. Comparable for the same data.
   double misfit();
@@ -91,7 +92,7 @@ class Fit {
 
   Residuals residuals(const Eigen::VectorXd& at, int& left) const;
   void updateSlopes(const Residuals& base);
-  Powers powers(const Residuals& residuals, bool isRelative) const;
+  Powers powers(const Residuals& residuals, double corner) const;
   double cost(const Residuals& residuals, const Powers& powers) const;
   double priorCost(const Eigen::VectorXd& at) const;
   void normalEquations(const Residuals& residuals, const Powers& powers, Eigen::MatrixXd& A, Eigen::VectorXd& b) const;

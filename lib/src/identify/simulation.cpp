@@ -133,7 +133,9 @@ class Device {
     kinematics_ = device_.mechanism->home();
     if (device_.mechanism->track(q, JointVector::Zero(n_), false, kinematics_) != Status::ok) return false;
     before_ = kinematics_.jacobian;
+    turning_ = 0.0 * before_;
     link_ = {q, Vector::Zero(n_)};
+    last_ = link_.rate;
     rotor_ = {q + compliance * kinematics_.gravity, Vector::Zero(n_)};
     presliding_ = Vector::Zero(n_);
     return true;
@@ -143,13 +145,17 @@ class Device {
 
   // Freeze inertia and free acceleration for a tick of `duration` s. Returns false if the mechanism cannot go there.
   bool beginTick(double duration) {
-    const JointVector middle = link_.angle + 0.5 * duration * link_.rate, none = JointVector::Zero(n_);
     if (!(link_.rate.norm() < kFastest)) return false;
-    if (device_.mechanism->track(middle, link_.rate, true, kinematics_) != Status::ok) return false;
+    const Vector rate = link_.rate + 0.5 * (link_.rate - last_);  // in the middle, if the acceleration continues
+    last_ = link_.rate;
+    const JointVector middle = link_.angle + 0.25 * duration * (link_.rate + rate), none = JointVector::Zero(n_);
+    if (device_.mechanism->track(middle, rate, true, kinematics_) != Status::ok) return false;
     Vec6 free;
     if (device_.mechanism->accelerate(kinematics_.pose, kinematics_.twist, none, Vec6::Zero(), free) != Status::ok)
       return false;
-    free -= (kinematics_.jacobian - before_) * link_.rate / duration;  // J' q'
+    const Jacobian turning = (kinematics_.jacobian - before_) / duration;  // J' at the beginning of the tick
+    free -= (1.5 * turning - 0.5 * turning_) * rate;                       // J' q'
+    turning_ = turning;
     before_ = kinematics_.jacobian;
     falling_ = kinematics_.inverseTransposed.transpose() * free;
     const Matrix inertia = kinematics_.inertia;
@@ -202,7 +208,8 @@ class Device {
     Vector sum(n_);
     for (Eigen::Index i = 0; i < n_; ++i)
       sum[i] = disturbed(i, torque[i], link_.angle[i] + 0.5 * h * link_.rate[i]) - viscous_[i] * link_.rate[i];
-    const Vector acceleration = falling_ + mobility_ * sum;
+    Vector acceleration = falling_ + mobility_ * sum;
+    acceleration -= mobility_ * (0.5 * h * viscous_.cwiseProduct(acceleration));  // viscous friction of the middle
     link_.angle += h * link_.rate + 0.5 * h * h * acceleration;
     link_.rate += h * acceleration;
   }
@@ -246,10 +253,11 @@ class Device {
   Vector viscous_, friction_, cogging_, phase_;
   Vector begin_, sine_, cosine_;  // angle at the beginning of the tick, and sine and cosine of its cogging
   bool hasCogging_;
-  Kinematics kinematics_;  // at the middle of the tick
-  Jacobian before_;        // J at the middle of the tick before
-  Vector falling_;         // accelerations of the links without torque
-  Matrix mobility_;        // M^-1
+  Kinematics kinematics_;      // at the middle of the tick
+  Jacobian before_, turning_;  // J at the middle of the tick before, and J' at its beginning
+  Vector last_;                // rates at the beginning of the tick before
+  Vector falling_;             // accelerations of the links without torque
+  Matrix mobility_;            // M^-1
   Part link_, rotor_;
   Vector presliding_;  // share of the friction, -1 to 1
 };
