@@ -139,7 +139,6 @@ class Loop {
     driver_.emplace(*device_);
     renderer_.emplace(positionControlFor(*model_, kPeriod, s.delay, s.delay));
     GuardOptions options = guardFor(*model_, kPeriod);
-    setDrive(*model_, options);
     options.delay = s.delay;
     if (!s.guardsEnergy) options.energy = std::numeric_limits<double>::infinity();
     tick_.emplace(*model_, scene_, Tool{}, *renderer_, options, Pose{});

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/message.hpp"
+#include "device/inertia.hpp"
 #include "enamel/render/guard.hpp"
 #include "render/exponential.hpp"
 #include "render/mode_table.hpp"
@@ -12,31 +14,48 @@ namespace {
 constexpr double kForgets = 0.2;        // s, decay time of the largest recent force
 constexpr double kLeastForce = 1e-3;    // N; smaller forces count as zero
 constexpr double kLargestEnergy = 1e6;  // J
-constexpr double kLinkError = 0.2;      // share of the energy of rotors and cables
+constexpr double kTorqueError = 0.05;   // share of the largest torque of a motor: deviation of its errors in a tick
 constexpr double kLever = 0.05;         // m, lever that converts a moment to a force
 // Reported torque: filter time, s; least share of the commands' power; noise and maximum, of the motor's limit.
 constexpr double kReportTime = 0.01, kReportShare = 0.75, kReportNoise = 0.03, kLargestReport = 1.5;
 
 }  // namespace
 
-void Guard::describeTransmission() {
+// Modes of the links, and the gains of their Kalman filters (lib/docs/guard.md). A filter starts with exact states.
+void Guard::describeModes(const Mechanism& device) {
+  constexpr int kMostSteps = 20000;
   const Drive& d = options_.drive;
+  JointMatrix links = device.home().inertia, axes;
+  links.diagonal().array() -= d.rotorInertia;
+  const JointVector inertia = eigenvaluesOf(links, axes);
+  require(inertia.minCoeff() > 0.0, "guard: the inertia of the links without the rotors is not positive definite");
   lag_ = lagOf(d);
-  for (int joint = 0; joint < n_; ++joint) {
-    // m' = w (u - m),  stretch'' = m / J - (k stretch + b stretch') (1 / J + 1 / L)
-    const double J = d.rotorInertia, L = options_.linkInertia[joint], inverse = 1.0 / J + 1.0 / L;
-    Matrix<4> A;
-    A << -lag_, 0.0, 0.0, lag_, 0.0, 0.0, 1.0, 0.0, 1.0 / J, -d.stiffness * inverse, -d.damping * inverse, 0.0, 0.0,
-        0.0, 0.0, 0.0;
-    const Matrix<4> step = exponential<4>(A * options_.period);
-    Transmission& t = transmission_[joint];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) t.kept[i][j] = step(i, j);
-      t.command[i] = step(i, 3);
+  for (int k = 0; k < n_; ++k) {
+    const ModeMotion<4> motion = modeMotion<4>(d, inertia[k], options_.period);
+    Matrix<kMotion> step, P = Matrix<kMotion>::Zero();
+    double torque = 0.0, rounding = 0.0;  // variances
+    for (int j = 0; j < n_; ++j) {
+      const double share = axes(j, k) * axes(j, k), error = kTorqueError * most_[j], count = options_.encoderStep[j];
+      modes_.axes[j][k] = axes(j, k);
+      torque += share * error * error;
+      rounding += share * count * count / 12.0;
     }
-    t.share = 1.0 / (1.0 + J / L);
-    // A full torque step stretches the cable twice as far as the same torque at rest.
-    mostHeld_ += 2.0 * options_.torque[joint] * options_.torque[joint] / d.stiffness;
+    for (int i = 0; i < kMotion; ++i)
+      for (int j = 0; j < kMotion; ++j) step(i, j) = modes_.kept[i][j][k] = motion.state[i][j];
+    const Matrix<kMotion, 1> impulse = step.col(kRotorRate) * (std::sqrt(torque) * options_.period / d.rotorInertia);
+    Matrix<kMotion, 1> gain = Matrix<kMotion, 1>::Zero(), last;
+    for (int i = 0; i < kMostSteps; ++i) {
+      last = gain;
+      P = (step * P * step.transpose() + impulse * impulse.transpose()).eval();
+      gain = P.col(read()) / (P(read(), read()) + rounding);
+      P = (P - gain * P.row(read())).eval();
+      if ((gain - last).norm() <= 1e-12 * gain.norm()) break;
+    }
+    for (int i = 0; i < kMotion; ++i) {
+      modes_.command[i][k] = motion.command[i];
+      modes_.gain[i][k] = gain[i];
+    }
+    modes_.inertia[k] = inertia[k];
   }
 }
 
@@ -82,28 +101,43 @@ double Guard::energy() const noexcept {
   return state_.reports ? std::max(state_.commanded.energy, state_.reported.energy) : state_.commanded.energy;
 }
 
-// Convert a motor's torque and its encoder's motion to the torque and motion of the link. The rest turns the rotor and
-// stretches the cable. Without this, a single strong command that winds up the cable would count as energy of the tool.
-void Guard::reachLink(int joint, double elapsed, Account& s, double& torque, double& way) const noexcept {
-  const Transmission& t = transmission_[joint];
-  const double command = torque, before = s.stretch[joint], rateBefore = s.stretchRate[joint],
-               lagBefore = s.lagged[joint];
+// Return the work of the cables on the links since the last sample, J. Kalman filters of the modes estimate the motion
+// of rotors and links from the torques above gravity and the steps of the readings.
+double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Motion& x) const noexcept {
   const int ticks = std::clamp(static_cast<int>(std::lround(elapsed / options_.period)), 1, options_.longestGap);
-  for (int tick = 0; tick < ticks; ++tick) {
-    const double now[3] = {s.lagged[joint], s.stretch[joint], s.stretchRate[joint]};
-    double next[3];
-    for (int i = 0; i < 3; ++i) {
-      next[i] = t.command[i] * command;
-      for (int j = 0; j < 3; ++j) next[i] += t.kept[i][j] * now[j];
+  const double time = ticks * options_.period, rotor = options_.drive.rotorInertia;
+  Row command{}, reading{}, work{};
+  for (int j = 0; j < n_; ++j)
+    for (int k = 0; k < kMaxJoints; ++k) {
+      command[k] += modes_.axes[j][k] * torque[j];
+      reading[k] += modes_.axes[j][k] * step[j];
     }
-    s.lagged[joint] = next[0];
-    s.stretch[joint] = next[1];
-    s.stretchRate[joint] = next[2];
+  const Motion before = x;
+  for (int tick = 0; tick < ticks; ++tick) {
+    const Motion last = x;
+    for (int i = 0; i < kMotion; ++i)
+      for (int k = 0; k < kMaxJoints; ++k) {
+        double next = modes_.command[i][k] * command[k];
+        for (int j = 0; j < kMotion; ++j) next += modes_.kept[i][j][k] * last[j][k];
+        x[i][k] = next;
+      }
   }
-  // Mean over the elapsed time, from the momentum balance of motor and rotor. The link moves independently.
-  const double time = ticks * options_.period, motor = command - (s.lagged[joint] - lagBefore) / (lag_ * time);
-  torque = t.share * (motor - options_.drive.rotorInertia * (s.stretchRate[joint] - rateBefore) / time);
-  if (!options_.drive.encoderOnLink) way -= s.stretch[joint] - before;
+  for (int k = 0; k < kMaxJoints; ++k) {
+    // The rotors' balance of momentum gives the mean torque of the cables. Its product with the motion of the links
+    // lacks their oscillation within the time: the predicted kinetic energy minus the same product in the prediction.
+    const double sum = x[kLinkRate][k] + before[kLinkRate][k], change = x[kLinkRate][k] - before[kLinkRate][k];
+    work[k] = modes_.inertia[k] * change * (0.5 * sum - (x[kLink][k] - before[kLink][k]) / time);
+    const double motor = command[k] - (x[kMotor][k] - before[kMotor][k]) / (lag_ * time);
+    const double surprise = reading[k] - x[read()][k];
+    for (int i = 0; i < kMotion; ++i) x[i][k] += modes_.gain[i][k] * surprise;
+    const double cable = motor - rotor * (x[kRotorRate][k] - before[kRotorRate][k]) / time;
+    work[k] += cable * (x[kLink][k] - before[kLink][k]);
+    x[kRotor][k] -= reading[k];
+    x[kLink][k] -= reading[k];
+  }
+  double sum = 0.0;
+  for (const double each : work) sum += each;
+  return sum;
 }
 
 // Add the work of a torque since the last sample to its account. Returns the force of the torque at the TCP, N.
@@ -111,26 +145,20 @@ double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque,
   const State& s = state_;
   const GuardOptions& o = options_;
   const double elapsed = m.time - s.sampleTime;
-  double work = 0.0, held = 0.0;
+  double work = 0.0;
   Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
+  Row beyond{}, steps{};
   for (int i = 0; i < n_; ++i) {
-    double step = m.q[i] - s.q[i], beyond = torque[i] - s.gravity[i];
+    const double step = steps[i] = m.q[i] - s.q[i];
+    beyond[i] = torque[i] - s.gravity[i];
     way += k.jacobian.col(i) * step;
-    if (o.drive.stiffness > 0.0) {
-      reachLink(i, elapsed, account, beyond, step);
-      held += 0.5 * o.drive.stiffness * account.stretch[i] * account.stretch[i] +
-              0.5 * o.drive.rotorInertia * account.stretchRate[i] * account.stretchRate[i];
-    }
-    wrench += k.inverseTransposed.col(i) * beyond;
+    wrench += k.inverseTransposed.col(i) * beyond[i];
     // Rounding to counts can feign at most half a count times the change of torque (summation by parts). Subtract it,
     // so that the energy is a lower bound.
-    work += beyond * step - 0.5 * o.encoderStep[i] * std::abs(beyond - account.beyond[i]);
-    account.beyond[i] = beyond;
+    work += beyond[i] * step - 0.5 * o.encoderStep[i] * std::abs(beyond[i] - account.beyond[i]);
   }
-  // The energy that rotors and cables exchange with the links is only as accurate as the links' inertia.
-  held = std::min(held, mostHeld_);
-  work -= kLinkError * std::abs(held - account.held);
-  account.held = held;
+  account.beyond = beyond;
+  if (o.drive.stiffness > 0.0) work = workOnLinks(beyond, steps, elapsed, account.motion);
   const double force = std::sqrt(wrench.head<3>().squaredNorm() + wrench.tail<3>().squaredNorm() / (kLever * kLever));
   const double peak = std::max(force, s.peak);
   if (peak > kLeastForce) {
