@@ -321,7 +321,7 @@ bool LinearLoop::isStable(const DeviceErrors& errors, Scope scope) const {
 
 StableRange stableRange(const LinearLoop& loop, double DeviceErrors::*error, Scope scope) {
   constexpr double kMost = 5.0, kFactor = 1.05, kTicks = 0.05, kMostTicks = 2.0;
-  constexpr int kBisections = 10;
+  constexpr int kHalvings = 10;
   const bool isDelay = error == &DeviceErrors::delay;
   const double nominal = DeviceErrors().*error;
   const auto isStable = [&](double value) {
@@ -339,7 +339,7 @@ StableRange stableRange(const LinearLoop& loop, double DeviceErrors::*error, Sco
       outside = isDelay ? inside + (up ? kTicks : -kTicks) : inside * (up ? kFactor : 1.0 / kFactor);
       if (up == (outside > limit)) outside = limit;
     } while (isStable(outside));
-    for (int i = 0; i < kBisections; ++i) {
+    for (int i = 0; i < kHalvings; ++i) {
       const double middle = 0.5 * (inside + outside);
       (isStable(middle) ? inside : outside) = middle;
     }
