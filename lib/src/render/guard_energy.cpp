@@ -105,8 +105,8 @@ double Guard::energy() const noexcept {
 // of rotors and links from the torques above gravity and the steps of the readings.
 double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Motion& x) const noexcept {
   const int ticks = std::clamp(static_cast<int>(std::lround(elapsed / options_.period)), 1, options_.longestGap);
-  const double time = ticks * options_.period, rotor = options_.drive.rotorInertia;
-  Row command{}, reading{}, work{};
+  const double time = ticks * options_.period;
+  Row command{}, reading{};
   for (int j = 0; j < n_; ++j)
     for (int k = 0; k < kMaxJoints; ++k) {
       command[k] += modes_.axes[j][k] * torque[j];
@@ -122,22 +122,20 @@ double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Mo
         x[i][k] = next;
       }
   }
-  for (int k = 0; k < kMaxJoints; ++k) {
-    // The rotors' balance of momentum gives the mean torque of the cables. Its product with the motion of the links
-    // lacks their oscillation within the time: the predicted kinetic energy minus the same product in the prediction.
-    const double sum = x[kLinkRate][k] + before[kLinkRate][k], change = x[kLinkRate][k] - before[kLinkRate][k];
-    work[k] = modes_.inertia[k] * change * (0.5 * sum - (x[kLink][k] - before[kLink][k]) / time);
-    const double motor = command[k] - (x[kMotor][k] - before[kMotor][k]) / (lag_ * time);
-    const double surprise = reading[k] - x[read()][k];
+  double work = 0.0;
+  for (int k = 0; k < n_; ++k) {
+    const auto change = [&](int i) { return x[i][k] - before[i][k]; };
+    // The momentum of motor and rotor gives the mean torque of the cable. Mean torque times motion of the link lacks
+    // the oscillation within a tick: the predicted change of kinetic energy minus this product in the prediction.
+    const double middle = 0.5 * (x[kLinkRate][k] + before[kLinkRate][k]);
+    work += modes_.inertia[k] * change(kLinkRate) * (middle - change(kLink) / time);
+    const double surprise = reading[k] - x[read()][k], motor = command[k] - change(kMotor) / (lag_ * time);
     for (int i = 0; i < kMotion; ++i) x[i][k] += modes_.gain[i][k] * surprise;
-    const double cable = motor - rotor * (x[kRotorRate][k] - before[kRotorRate][k]) / time;
-    work[k] += cable * (x[kLink][k] - before[kLink][k]);
+    work += (motor - options_.drive.rotorInertia * change(kRotorRate) / time) * change(kLink);
     x[kRotor][k] -= reading[k];
     x[kLink][k] -= reading[k];
   }
-  double sum = 0.0;
-  for (const double each : work) sum += each;
-  return sum;
+  return work;
 }
 
 // Add the work of a torque since the last sample to its account. Returns the force of the torque at the TCP, N.
