@@ -98,8 +98,8 @@ void Guard::forEachNumber(AnyState& s, const Visit& visit) {
   for (auto* account : {&s.commanded, &s.reported}) {
     visit(account->energy);
     for (auto& number : account->beyond) visit(number);
-    for (auto& row : account->motion)
-      for (auto& number : row) visit(number);
+    for (auto& mode : account->modes)
+      for (auto& number : mode) visit(number);
   }
   for (int i = 0; i < 6; ++i) visit(s.twist[i]);
   for (int i = 0; i < 3; ++i) visit(s.surface[i]);

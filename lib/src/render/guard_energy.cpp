@@ -32,16 +32,19 @@ void Guard::describeModes(const Mechanism& device) {
   lag_ = lagOf(d);
   for (int k = 0; k < n_; ++k) {
     const ModeMotion<4> motion = modeMotion<4>(d, inertia[k], options_.period);
-    Matrix<kMotion> step, P = Matrix<kMotion>::Zero();
+    Mode& mode = modes_[k];
+    mode.inertia = inertia[k];
     double torque = 0.0, rounding = 0.0;  // variances
     for (int j = 0; j < n_; ++j) {
-      const double share = axes(j, k) * axes(j, k), error = kTorqueError * most_[j], count = options_.encoderStep[j];
-      modes_.axes[j][k] = axes(j, k);
-      torque += share * error * error;
-      rounding += share * count * count / 12.0;
+      const double axis = mode.axis[j] = axes(j, k), error = axis * kTorqueError * most_[j];
+      torque += error * error;
+      rounding += axis * axis * options_.encoderStep[j] * options_.encoderStep[j] / 12.0;
     }
-    for (int i = 0; i < kMotion; ++i)
-      for (int j = 0; j < kMotion; ++j) step(i, j) = modes_.kept[i][j][k] = motion.state[i][j];
+    Matrix<kMotion> step, P = Matrix<kMotion>::Zero();
+    for (int i = 0; i < kMotion; ++i) {
+      mode.command[i] = motion.command[i];
+      for (int j = 0; j < kMotion; ++j) step(i, j) = mode.kept[j][i] = motion.state[i][j];
+    }
     const Matrix<kMotion, 1> impulse = step.col(kRotorRate) * (std::sqrt(torque) * options_.period / d.rotorInertia);
     Matrix<kMotion, 1> gain = Matrix<kMotion, 1>::Zero(), last;
     for (int i = 0; i < kMostSteps; ++i) {
@@ -51,11 +54,7 @@ void Guard::describeModes(const Mechanism& device) {
       P = (P - gain * P.row(read())).eval();
       if ((gain - last).norm() <= 1e-12 * gain.norm()) break;
     }
-    for (int i = 0; i < kMotion; ++i) {
-      modes_.command[i][k] = motion.command[i];
-      modes_.gain[i][k] = gain[i];
-    }
-    modes_.inertia[k] = inertia[k];
+    for (int i = 0; i < kMotion; ++i) mode.gain[i] = gain[i];
   }
 }
 
@@ -103,37 +102,38 @@ double Guard::energy() const noexcept {
 
 // Return the work of the cables on the links since the last sample, J. Kalman filters of the modes estimate the motion
 // of rotors and links from the torques above gravity and the steps of the readings.
-double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Motion& x) const noexcept {
+double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Account& account) const noexcept {
   const int ticks = std::clamp(static_cast<int>(std::lround(elapsed / options_.period)), 1, options_.longestGap);
-  const double time = ticks * options_.period;
-  Row command{}, reading{};
-  for (int j = 0; j < n_; ++j)
-    for (int k = 0; k < kMaxJoints; ++k) {
-      command[k] += modes_.axes[j][k] * torque[j];
-      reading[k] += modes_.axes[j][k] * step[j];
-    }
-  const Motion before = x;
-  for (int tick = 0; tick < ticks; ++tick) {
-    const Motion last = x;
-    for (int i = 0; i < kMotion; ++i)
-      for (int k = 0; k < kMaxJoints; ++k) {
-        double next = modes_.command[i][k] * command[k];
-        for (int j = 0; j < kMotion; ++j) next += modes_.kept[i][j][k] * last[j][k];
-        x[i][k] = next;
-      }
-  }
+  const double perTime = 1.0 / (ticks * options_.period), perLag = perTime / lag_,
+               rotor = perTime * options_.drive.rotorInertia;
   double work = 0.0;
   for (int k = 0; k < n_; ++k) {
-    const auto change = [&](int i) { return x[i][k] - before[i][k]; };
+    const Mode& mode = modes_[k];
+    double command = 0.0, reading = 0.0;
+    for (int j = 0; j < n_; ++j) {
+      command += mode.axis[j] * torque[j];
+      reading += mode.axis[j] * step[j];
+    }
+    const Motion before = account.modes[k];
+    Motion x = before;
+    for (int tick = 0; tick < ticks; ++tick) {
+      Motion next;
+      for (int i = 0; i < kMotion; ++i) next[i] = mode.command[i] * command;
+      for (int j = 0; j < kMotion; ++j)
+        for (int i = 0; i < kMotion; ++i) next[i] += mode.kept[j][i] * x[j];
+      x = next;
+    }
+    const auto change = [&](int i) { return x[i] - before[i]; };
     // The momentum of motor and rotor gives the mean torque of the cable. Mean torque times motion of the link lacks
     // the oscillation within a tick: the predicted change of kinetic energy minus this product in the prediction.
-    const double middle = 0.5 * (x[kLinkRate][k] + before[kLinkRate][k]);
-    work += modes_.inertia[k] * change(kLinkRate) * (middle - change(kLink) / time);
-    const double surprise = reading[k] - x[read()][k], motor = command[k] - change(kMotor) / (lag_ * time);
-    for (int i = 0; i < kMotion; ++i) x[i][k] += modes_.gain[i][k] * surprise;
-    work += (motor - options_.drive.rotorInertia * change(kRotorRate) / time) * change(kLink);
-    x[kRotor][k] -= reading[k];
-    x[kLink][k] -= reading[k];
+    const double middle = 0.5 * (x[kLinkRate] + before[kLinkRate]);
+    work += mode.inertia * change(kLinkRate) * (middle - change(kLink) * perTime);
+    const double surprise = reading - x[read()], motor = command - change(kMotor) * perLag;
+    for (int i = 0; i < kMotion; ++i) x[i] += mode.gain[i] * surprise;
+    work += (motor - rotor * change(kRotorRate)) * change(kLink);
+    x[kRotor] -= reading;
+    x[kLink] -= reading;
+    account.modes[k] = x;
   }
   return work;
 }
@@ -156,7 +156,7 @@ double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque,
     work += beyond[i] * step - 0.5 * o.encoderStep[i] * std::abs(beyond[i] - account.beyond[i]);
   }
   account.beyond = beyond;
-  if (o.drive.stiffness > 0.0) work = workOnLinks(beyond, steps, elapsed, account.motion);
+  if (o.drive.stiffness > 0.0) work = workOnLinks(beyond, steps, elapsed, account);
   const double force = std::sqrt(wrench.head<3>().squaredNorm() + wrench.tail<3>().squaredNorm() / (kLever * kLever));
   const double peak = std::max(force, s.peak);
   if (peak > kLeastForce) {

@@ -153,22 +153,22 @@ class Guard {
 
  private:
   using Row = std::array<double, kMaxJoints>;
-  // States of a mode: angles of rotor and link and their rates, torque of the motor above gravity.
+  // A mode of the links behind cables (lib/src/render/mode_table.hpp): angles of rotor and link relative to the last
+  // reading, their rates, and torque of the motor above gravity.
   enum : int { kRotor, kRotorRate, kLink, kLinkRate, kMotor, kMotion };
-  using Motion = std::array<Row, kMotion>;  // of all modes; angles relative to the last reading
-  // Modes of the links behind cables (lib/src/render/mode_table.hpp), and the gains of their Kalman filters.
-  struct Modes {
-    std::array<Row, kMaxJoints> axes{};  // [joint][mode]
-    Row inertia{};
-    std::array<Motion, kMotion> kept{};  // states a period later, from those now
-    Motion command{}, gain{};            // the same from the command; correction of the states by a reading
+  using Motion = std::array<double, kMotion>;
+  struct Mode {
+    Row axis{};
+    double inertia = 0.0;
+    std::array<Motion, kMotion> kept{};  // effect of each state on the states a period later
+    Motion command{}, gain{};            // effect of the command; of a reading minus its prediction (Kalman filter)
   };
   static constexpr int kReportLags = kMostGuardDelay + 1;
   // Energy given to the tool, computed from one estimate of the acting torque.
   struct Account {
-    double energy = 0.0;  // J
-    Row beyond{};         // torque above gravity before the last tick
-    Motion motion{};      // behind cables: estimated from this torque and the readings
+    double energy = 0.0;                     // J
+    Row beyond{};                            // torque above gravity before the last tick
+    std::array<Motion, kMaxJoints> modes{};  // behind cables: estimated from this torque and the readings
   };
   struct State {
     GuardReason fault = GuardReason::none;
@@ -212,7 +212,7 @@ class Guard {
   void remember(const Measurement& m) noexcept;
   GuardReason moved(const Measurement& m, const Kinematics& k) noexcept;
   void describeModes(const Mechanism& device);
-  double workOnLinks(const Row& torque, const Row& step, double elapsed, Motion& x) const noexcept;
+  double workOnLinks(const Row& torque, const Row& step, double elapsed, Account& account) const noexcept;
   int read() const noexcept { return options_.drive.encoderOnLink ? kLink : kRotor; }  // the state that encoders read
   int unlikelyJoint(const JointVector& applied) const noexcept;
   void compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept;
@@ -231,10 +231,10 @@ class Guard {
   GuardOptions options_;
   int n_;
   bool damped_;
-  Modes modes_;       // of devices with cables
-  double lag_ = 0.0;  // of the motors behind cables, 1/s
-  JointVector most_;  // the motors' own limits, N m or N
-  Row weight_{};      // weight of a joint in a comparison of torques: 1 / most_^2
+  std::array<Mode, kMaxJoints> modes_;  // of devices with cables
+  double lag_ = 0.0;                    // of the motors behind cables, 1/s
+  JointVector most_;                    // the motors' own limits, N m or N
+  Row weight_{};                        // weight of a joint in a comparison of torques: 1 / most_^2
   std::uint64_t ignored_ = 0;
   int ignoredJoint_ = -1;
   State state_;
