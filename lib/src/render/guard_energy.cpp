@@ -118,9 +118,9 @@ double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Ac
     Motion x = before;
     for (int tick = 0; tick < ticks; ++tick) {
       Motion next;
-      for (int i = 0; i < kMotion; ++i) next[i] = mode.command[i] * command;
-      for (int j = 0; j < kMotion; ++j)
-        for (int i = 0; i < kMotion; ++i) next[i] += mode.kept[j][i] * x[j];
+      for (int i = 0; i < kMotion; ++i) next[i] = mode.command[i] * command + mode.kept[kMotor][i] * x[kMotor];
+      for (int j = 0; j < kMotor; ++j)  // the motor does not depend on the mechanical states
+        for (int i = 0; i < kMotor; ++i) next[i] += mode.kept[j][i] * x[j];
       x = next;
     }
     const auto change = [&](int i) { return x[i] - before[i]; };
@@ -129,7 +129,7 @@ double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Ac
     const double middle = 0.5 * (x[kLinkRate] + before[kLinkRate]);
     work += mode.inertia * change(kLinkRate) * (middle - change(kLink) * perTime);
     const double surprise = reading - x[read()], motor = command - change(kMotor) * perLag;
-    for (int i = 0; i < kMotion; ++i) x[i] += mode.gain[i] * surprise;
+    for (int i = 0; i < kMotor; ++i) x[i] += mode.gain[i] * surprise;
     work += (motor - rotor * change(kRotorRate)) * change(kLink);
     x[kRotor] -= reading;
     x[kLink] -= reading;
