@@ -61,8 +61,8 @@ if [ -n "${ENAMEL_LONG:-}" ]; then
   build asan -DENAMEL_TESTS= -- tests_unit tests_hard tests_chai3d tests_plugin tests_attack
   sanitized='unit|hard|chai3d|plugin|attack' what="all tests that can run under sanitizers"
 else
-  build asan -DENAMEL_TESTS=sanitized -- tests_unit tests_hard tests_chai3d tests_attack
-  sanitized=sanitized what="files, kinematics, meshes, contacts and threads (--long: everything)"
+  build asan -DENAMEL_TESTS=sanitized -- tests_unit tests_hard tests_attack
+  sanitized=sanitized what="files, meshes, contacts and threads (--long: everything)"
 fi
 run "asan: $what" --preset asan -j 2 -L "$sanitized"
 build tsan -- tests_unit test_bits

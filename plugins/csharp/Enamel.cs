@@ -19,7 +19,7 @@ namespace Enamel
     public enum EnamelFeature { ENAMEL_FACE = 0, ENAMEL_EDGE = 1, ENAMEL_VERTEX = 2 }
     public enum EnamelFailure { ENAMEL_FAILED = 100, ENAMEL_NULL = 101, ENAMEL_SIZE = 102, ENAMEL_NOTHING = 103, ENAMEL_STOPPED = 104 }
     public enum EnamelShape { ENAMEL_HALF_SPACE = 0, ENAMEL_BOX = 1, ENAMEL_SPHERE = 2, ENAMEL_CAPSULE = 3, ENAMEL_MESH = 4, ENAMEL_SOLID = 5 }
-    public enum EnamelEventKind { ENAMEL_CONTACT_BEGIN = 0, ENAMEL_CONTACT_END = 1, ENAMEL_GUARD_STOP = 2, ENAMEL_CUT = 3, ENAMEL_MISSED = 4, ENAMEL_DEVICE_LOST = 5, ENAMEL_DEVICE_BACK = 6, ENAMEL_RECORDING_END = 7 }
+    public enum EnamelEventKind { ENAMEL_CONTACT_BEGIN = 0, ENAMEL_CONTACT_END = 1, ENAMEL_GUARD_STOP = 2, ENAMEL_CUT = 3, ENAMEL_MISSED = 4, ENAMEL_DEVICE_LOST = 5, ENAMEL_DEVICE_BACK = 6, ENAMEL_RECORDING_END = 7, ENAMEL_UNUSUAL_SIZE = 8 }
 
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void EnamelHand(IntPtr user, double time, ref EnamelPose pose, IntPtr twist, IntPtr wrench);
@@ -278,6 +278,8 @@ namespace Enamel
         public ulong held;
         public ulong dropped_events;
         public ulong lost_cuts;
+        public ulong unsent;
+        public double since_tick;
         public int mode;
         public int status;
         public int reason;
@@ -305,6 +307,7 @@ namespace Enamel
         public double impulse;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public double[] removed;
         public ulong count;
+        public double extent;
         public int part;
         public int reason;
     }

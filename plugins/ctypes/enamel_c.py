@@ -58,6 +58,7 @@ ENAMEL_MISSED = 4
 ENAMEL_DEVICE_LOST = 5
 ENAMEL_DEVICE_BACK = 6
 ENAMEL_RECORDING_END = 7
+ENAMEL_UNUSUAL_SIZE = 8
 
 ENAMEL_MAX_CONTACTS = 8
 ENAMEL_MAX_JOINTS = 7
@@ -378,6 +379,8 @@ class EnamelSnapshot(Structure):
         ("held", c_uint64),
         ("dropped_events", c_uint64),
         ("lost_cuts", c_uint64),
+        ("unsent", c_uint64),
+        ("since_tick", c_double),
         ("mode", c_int32),
         ("status", c_int32),
         ("reason", c_int32),
@@ -405,6 +408,7 @@ class EnamelEvent(Structure):
         ("impulse", c_double),
         ("removed", (c_double * 8)),
         ("count", c_uint64),
+        ("extent", c_double),
         ("part", c_int32),
         ("reason", c_int32),
     ]

@@ -172,7 +172,7 @@ TEST_CASE("ordinary study runs pass untouched", "[hard]") {
     plan.runs = 6;
     plan.setup.seed = 4;
     checkStudy(plan);
-    const std::size_t wanted = static_cast<std::size_t>(test::count(60, delay == 0 ? 4000 : 1500));
+    const std::size_t wanted = static_cast<std::size_t>(test::count(30, delay == 0 ? 4000 : 1500));
     const std::size_t step = std::max<std::size_t>(1, plan.size() / wanted);
     for (std::size_t i = delay; i < plan.size(); i += step) {
       const StudyResult result = performRun(plan, runAt(plan, i), [&](const TickRecord& t) {

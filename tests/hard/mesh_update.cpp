@@ -191,7 +191,8 @@ TEST_CASE("where triangles were removed, a cache finds the nearest of the others
   }
 }
 
-TEST_CASE("the sign of a moved closed mesh agrees with the winding number", "[hard]") {
+TEST_CASE("the sign of a moved closed mesh agrees with the winding number, also if it crosses itself", "[hard]") {
+  const bool crosses = GENERATE(false, true);
   test::Random random(52);
   MeshModel model(test::ball(4, 0.1));
   std::vector<int> moved;
@@ -199,12 +200,13 @@ TEST_CASE("the sign of a moved closed mesh agrees with the winding number", "[ha
   for (std::size_t v = 0; v < model.mesh().vertices.size(); ++v)
     if (model.mesh().vertices[v].x() > 0.3) {
       moved.push_back(static_cast<int>(v));
-      positions.push_back(model.mesh().vertices[v] * random.uniform(0.8, 1.0));
+      positions.push_back(crosses ? random.vector(1.0) : Vec3(model.mesh().vertices[v] * random.uniform(0.8, 1.0)));
     }
   REQUIRE(moveVertices(model, moved.data(), positions.data(), static_cast<int>(moved.size())) == Status::ok);
+  ProximityCache cache;
   for (int i = 0; i < test::count(1000, 20000); ++i) {
-    const Vec3 p = test::queryPoint(model.mesh(), test::sizeOf(model.mesh()), random);
-    const SurfacePoint found = signedDistance(model, p);
+    const Vec3 p = i % 2 == 0 ? test::queryPoint(model.mesh(), test::sizeOf(model.mesh()), random) : random.vector(3.0);
+    const SurfacePoint found = signedDistance(model, p, &cache);
     if (std::abs(found.distance) < 1e-8) continue;
     REQUIRE((found.distance < 0.0) == (test::windingNumber(model.mesh(), p) > 0.5));
   }

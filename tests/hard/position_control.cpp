@@ -122,7 +122,7 @@ TEST_CASE("corners, valleys and slots hold without oscillation", "[hard]") {
     scene.add(halfSpace("floor", {0, 0, -0.004}, Vec3::UnitZ()));
     add("slot", scene, {0, 0, 0.004}, {0, 0, -8}, 1e-4 + 0.5 * narrow);
   }
-  for (const int delay : {0, 1, 2, 3})
+  for (int delay = 0; delay <= 3; delay += test::count(3, 1))
     for (Case& c : cases) {
       c.setting.delay = delay;
       PositionControlRenderer servo = servoFor(device, delay);
@@ -155,7 +155,7 @@ bool isMissed(const WallFigure& f, int delay, double wrong) {
 TEST_CASE("steps, impacts, letting go, sliding and too much force are answered", "[hard]") {
   WallTrialSetup setup;
   setup.plant = std::make_shared<TauMechanism>(test::nominal());
-  setup.runs = test::count(12, 200);
+  setup.runs = test::count(6, 200);
   struct Bar {
     const char* trial;
     const char* figure;
@@ -207,7 +207,7 @@ TEST_CASE(
     "[!shouldfail][hard]") {
   WallTrialSetup setup;
   setup.plant = std::make_shared<TauMechanism>(test::nominal());
-  setup.runs = test::count(12, 200);
+  setup.runs = test::count(6, 200);
   const double overload[] = {60, 130, 280, 450}, slide[] = {10, 20, 30, 50};
   for (const int delay : {0, 1, 2, 3}) {
     setup.delay = {delay, delay};
@@ -226,7 +226,7 @@ TEST_CASE(
 TEST_CASE("impacts and too much force are answered where the delay is random", "[hard]") {
   WallTrialSetup setup;
   setup.plant = std::make_shared<TauMechanism>(test::nominal());
-  setup.runs = test::count(20, 400);
+  setup.runs = test::count(8, 400);
   for (const double wrong : {1.0, 0.7, 1.3}) {
     setup.model = withInertia(setup.plant, wrong);
     for (const Delay& delay : {Delay{0, 1}, Delay{0, 3}, Delay{1, 2}, Delay{2, 5}}) {
@@ -253,7 +253,7 @@ TEST_CASE("a tip 60 mm from the TCP is as good, as a share of its own limit", "[
   const TauMechanism device(test::nominal());
   test::Random random(17);
   const Vec3 offset(0, 0, -0.06);
-  for (int i = 0; i < test::count(24, 200); ++i) {
+  for (int i = 0; i < test::count(12, 200); ++i) {
     const int delay = i % 4;
     const Vec3 normal = random.direction();
     Setting setting{Scene(), ball(0.0, offset), {random.vector(0.02), Mat3::Identity()}, delay};

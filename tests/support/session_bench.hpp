@@ -1,6 +1,8 @@
 // A session in a loop of the test, on a virtual device, under a hand that pushes along -z.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -211,30 +213,57 @@ class RandomChanges {
   std::thread thread_;  // the last member: it uses the others
 };
 
-// Result of watch().
-struct Watched {
-  int lateStops = 0;     // stops of the guard after periods without a tick or a sample: the machine was busy
-  int otherStops = 0;    // stops without such periods
-  double pressed = 0.0;  // share of the snapshots with a rendered contact
+// A hand in another thread than the test. It presses the tool along -z with 1 N, or lifts it back to its start.
+class PressingHand {
+ public:
+  explicit PressingHand(const Pose& start) : start_(start) {}
+  void lift(bool lifts) { *lifts_ = lifts; }
+  WrenchFunction wrench() const {
+    return [start = start_, lifts = lifts_](double, const Pose& pose, const Vec6& twist) {
+      constexpr double kForce = 1.0, kDamping = 5.0, kPull = 200.0;  // N, N s/m, N/m
+      Vec6 wrench = guidingWrench(pose, twist, start, Vec3::UnitZ());
+      const double up = kPull * (start.position.z() - pose.position.z());
+      wrench[2] += (*lifts ? std::clamp(up, -kForce, kForce) : -kForce) - kDamping * twist[2];
+      return wrench;
+    };
+  }
+
+ private:
+  Pose start_;
+  std::shared_ptr<std::atomic<bool>> lifts_ = std::make_shared<std::atomic<bool>>(false);
 };
 
-// Watch a running session, and continue after each stop of its guard. A late tick holds a torque too long, so that the
-// guard may stop for energy or speed too.
-inline Watched watch(Session& session, std::chrono::duration<double> length) {
+// Result of watch().
+struct Watched {
+  int lateStops = 0;         // stops of the guard after periods without a tick or a sample: the machine was busy
+  std::string otherReasons;  // of stops without such periods
+  double pressed = 0.0;      // share of the snapshots with a rendered contact
+};
+
+// Watch a running session. After each stop of the guard the hand lifts the tool off the wall and resets the guard. A
+// late tick holds a torque too long, so that the guard may stop for energy or speed too.
+inline Watched watch(Session& session, PressingHand& hand, std::chrono::duration<double> length) {
   Watched watched;
-  std::uint64_t missed = 0;
   double snapshots = 0.0, pressed = 0.0;
+  std::uint64_t before = 0;  // periods without a tick or a sample, at the last reset
+  const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(5)); };
   const auto end = std::chrono::steady_clock::now() + length;
   do {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    const Snapshot now = session.snapshot();
+    pause();
     ++snapshots;
+    const std::vector<SessionEvent> stops = eventsOf(session, EventKind::guardStop);
+    Snapshot now = session.snapshot();
     pressed += now.fault == GuardReason::none && now.tick.mode != RenderMode::free;
-    for (SessionEvent event; session.nextEvent(event);) {
-      if (event.kind != EventKind::guardStop) continue;
-      ++(now.missed + now.held > missed ? watched.lateStops : watched.otherStops);
-      missed = now.missed + now.held;
+    for (const SessionEvent& stop : stops) {
+      if (now.missed + now.held > before)
+        ++watched.lateStops;
+      else
+        watched.otherReasons += std::string(toString(stop.reason)) + " at " + std::to_string(stop.time) + " s; ";
+      hand.lift(true);
+      for (; now.tick.pose.position.z() <= 0.0; now = session.snapshot()) pause();
       session.reset();
+      before = now.missed + now.held;
+      hand.lift(false);
     }
   } while (std::chrono::steady_clock::now() < end);
   watched.pressed = pressed / snapshots;

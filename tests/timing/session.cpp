@@ -155,19 +155,20 @@ TEST_CASE("changes at random delay no tick, and the torque does not jump", "[tim
     Session session(def);
     running = &session;
     (void)session.add(test::wallAt("wall", 0.0));
-    session.start(makeVirtualDevice(session));
+    test::PressingHand hand(session.start());
+    session.start(makeVirtualDevice(session, hand.wrench()));
     int changes = 0;
     test::Watched watched;
     if (isChanged) {
       test::RandomChanges one(session, 1, length), two(session, 2, length);
-      watched = test::watch(session, length);
+      watched = test::watch(session, hand, length);
       for (test::RandomChanges* thread : {&one, &two}) {
         const auto [made, failed] = thread->finish();
         changes += made;
         CHECK(failed == 0);
       }
     } else {
-      watched = test::watch(session, length);
+      watched = test::watch(session, hand, length);
     }
     const PeriodicTiming& timing = session.loop()->timing();
     const auto ticks = timing.periods.load(), missed = timing.missed.load();
@@ -180,7 +181,7 @@ TEST_CASE("changes at random delay no tick, and the torque does not jump", "[tim
     CHECK(static_cast<double>(ticks) > 0.5 * def.rate * length.count());
     CHECK(timing.compute.quantile(0.99) < 0.5 / def.rate);
     CHECK(largest.load() <= 1.0 + 1e-9);
-    CHECK(watched.otherStops == 0);
+    CHECK(watched.otherReasons == "");
     if (test::longRun()) CHECK(watched.pressed > 0.5);
   }
 }

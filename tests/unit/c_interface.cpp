@@ -1,4 +1,5 @@
 // The C interface: the same bits from every language, and safety against NULL, wrong sizes, stale ids and bad input.
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -13,6 +14,7 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/eventually.hpp"
 #include "support/meshes.hpp"
 
 namespace enamel::test_c_interface {
@@ -153,6 +155,7 @@ EnamelMechanism cartesian() {
 struct OwnAxis {
   double z = 0.5e-3, speed = 0.0, time = 0.0, force = 0.0;
   bool isOpen = false;
+  std::atomic<bool> refuses{false};
 };
 std::int32_t openAxis(void* user, EnamelMessage) {
   static_cast<OwnAxis*>(user)->isOpen = true;
@@ -172,7 +175,7 @@ std::int32_t actuateAxis(void* user, const double* effort, std::int32_t) {
   axis.speed += 1e-3 * (effort[2] - 1.0 - 3.0 * axis.speed) / 0.2;
   axis.z += 1e-3 * axis.speed;
   axis.force = effort[2];
-  return ENAMEL_OK;
+  return axis.refuses ? ENAMEL_INACTIVE : ENAMEL_OK;
 }
 
 }  // namespace
@@ -482,7 +485,11 @@ TEST_CASE("an own mechanism and an own device, in a loop of their own", "[c][thr
   CHECK(now.joints == 3);
   CHECK(now.contact_count == 1);
   CHECK(std::abs(now.position[2]) < 50e-6);
+  axis.refuses = true;
+  REQUIRE(test::eventually([&] { return snapshotOf(session).unsent > 3; }));
+  CHECK(snapshotOf(session).since_tick > 0.0);
   REQUIRE(enamel_stop(session) == ENAMEL_OK);
+  CHECK(snapshotOf(session).since_tick == 0.0);
   CHECK_FALSE(axis.isOpen);
   EnamelEvent event{};
   event.size = sizeof event;
@@ -499,6 +506,30 @@ TEST_CASE("an own mechanism and an own device, in a loop of their own", "[c][thr
   EnamelSession* none = nullptr;
   CHECK(enamel_session_create(&def, &none, {text, sizeof text}) == ENAMEL_FAILED);
   CHECK_THAT(text, ContainsSubstring("joint 1 has an encoder step of 0"));
+
+  bad = cartesian();
+  bad.reach = [](void* user, const EnamelPose* pose, const double* twist, EnamelKinematics* state) {
+    reachOf(user, pose, twist, state);
+    for (int i = 0; i < 3; ++i) state->jacobian[i][i] = 0.0;
+    return std::int32_t{ENAMEL_OK};
+  };
+  CHECK(enamel_session_create(&def, &none, {text, sizeof text}) == ENAMEL_FAILED);
+  CHECK_THAT(text, ContainsSubstring("device \"my axes\": reach() at the start pose: the Jacobian is zero"));
+  bad.reach = [](void* user, const EnamelPose* pose, const double* twist, EnamelKinematics* state) {
+    reachOf(user, pose, twist, state);
+    state->gravity[1] = std::nan("");
+    return std::int32_t{ENAMEL_OK};
+  };
+  CHECK(enamel_session_create(&def, &none, {text, sizeof text}) == ENAMEL_FAILED);
+  CHECK_THAT(text, ContainsSubstring("reach() of the home pose gives a number that is not finite"));
+  bad.reach = reachOf;
+  bad.track = [](void* user, const double* q, const double* rates, EnamelKinematics* state) {
+    trackOf(user, q, rates, state);
+    state->jacobian[0][0] = std::nan("");
+    return std::int32_t{ENAMEL_OK};
+  };
+  CHECK(enamel_session_create(&def, &none, {text, sizeof text}) == ENAMEL_FAILED);
+  CHECK_THAT(text, ContainsSubstring("track() at the start pose: the status is \"not finite\", must be ok; a number"));
 }
 
 TEST_CASE("before_tick moves, activates and adds effects; a virtual device runs in real time", "[c][threads]") {

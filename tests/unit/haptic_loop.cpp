@@ -2,7 +2,13 @@
 #include "enamel/runtime/haptic_loop.hpp"
 
 #include <atomic>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <sstream>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "enamel/runtime/udp_device.hpp"
 #include "support/catch.hpp"
@@ -27,7 +33,7 @@ void sleepFor(double seconds) { std::this_thread::sleep_for(std::chrono::duratio
 // measurements, so that a loaded machine misses no deadline.
 class Bench final : public HapticDevice {
  public:
-  std::atomic<bool> broken{false}, refusesOpen{false};
+  std::atomic<bool> broken{false}, refusesOpen{false}, measureHangs{false}, actuateHangs{false};
   std::atomic<int> opened{0}, closed{0}, measured{0}, actuated{0};
   std::atomic<double> last{0.0};      // along z, N
   std::atomic<double> steepest{0.0};  // largest change from one command to the next, N
@@ -42,6 +48,7 @@ class Bench final : public HapticDevice {
   }
   Status measure(Measurement& m) noexcept override {
     ++measured;
+    while (measureHangs) sleepFor(1e-3);
     if (broken) return Status::stale;
     m.time = 1e-3 * measured;
     m.q = m.rates = JointVector::Zero(3);
@@ -50,6 +57,7 @@ class Bench final : public HapticDevice {
   }
   Status actuate(const Command& command) noexcept override {
     ++actuated;
+    while (actuateHangs) sleepFor(1e-3);
     steepest = std::max(steepest.load(), std::abs(command.effort[2] - last));
     last = command.effort[2];
     return Status::ok;
@@ -120,6 +128,60 @@ TEST_CASE("a loop that cannot begin says why and leaves the device closed", "[ha
   off.on = false;
   HapticTick unguarded(stylus(), rig.scene, Tool(), rig.pusher, off);
   CHECK_THROWS_WITH(HapticLoop(rig.bench, unguarded, normal()), ContainsSubstring("the guard is off"));
+}
+
+TEST_CASE("a loop that cannot stop names the function that does not return, and waits for it", "[haptic_loop]") {
+  class Hook final : public TickSink {
+   public:
+    std::atomic<bool> hangs{false};
+    void before(Measurement&) noexcept override {
+      while (hangs) sleepFor(1e-3);
+    }
+    void tick(const LoopTick&, const HapticTick&) noexcept override {}
+  };
+  // The standard error of the loop's end; another thread reads it.
+  class Text final : public std::stringbuf {
+   public:
+    std::string text() {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      return str();
+    }
+
+   private:
+    std::streamsize xsputn(const char* from, std::streamsize count) override {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      return std::stringbuf::xsputn(from, count);
+    }
+    std::mutex mutex_;
+  };
+  Rig rig;
+  Hook hook;
+  HapticLoopOptions options = normal();
+  options.sink = &hook;
+  for (const auto& [hangs, name] : {std::pair{&rig.bench.measureHangs, "measure() of the device has not returned"},
+                                    std::pair{&rig.bench.actuateHangs, "actuate() of the device has not returned"},
+                                    std::pair{&hook.hangs, "a renderer or a hook in the tick has not returned"}}) {
+    CAPTURE(name);
+    Text errors;
+    std::streambuf* const usual = std::cerr.rdbuf(&errors);
+    auto loop = std::make_unique<HapticLoop>(rig.bench, rig.haptics, options);
+    *hangs = true;
+    std::atomic<bool> ended{false};
+    std::thread end([&] {
+      loop.reset();
+      ended = true;
+    });
+    const bool isNamed = eventually([&] { return !errors.text().empty(); });
+    const bool hasWaited = !ended;
+    *hangs = false;
+    end.join();
+    std::cerr.rdbuf(usual);
+    CHECK(isNamed);
+    CHECK(hasWaited);
+    CHECK_THAT(errors.text(), ContainsSubstring(name));
+    CHECK(errors.text().find('\n') == errors.text().size() - 1);  // one line
+    CHECK(rig.bench.closed == rig.bench.opened);
+  }
 }
 
 TEST_CASE("a loop ends with the motors at rest, whenever and in whatever state", "[haptic_loop]") {

@@ -3,13 +3,20 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <cmath>
+#include <functional>
+#include <utility>
 
+#include "enamel/core/error.hpp"
+#include "enamel/device/cartesian/mechanism.hpp"
 #include "support/catch.hpp"
+#include "support/devices.hpp"
 #include "support/mechanisms.hpp"
 #include "support/relative_error.hpp"
 #include "support/run_length.hpp"
 
 namespace enamel::test_mechanism {
+using test::ContainsSubstring;
 using test::relativeError;
 
 namespace {
@@ -53,7 +60,80 @@ std::shared_ptr<const Mechanism> frictionless(const test::Shipped& shipped) {
   return makeMechanism(parameters);
 }
 
+// A mechanism with three axes and one error.
+class Spoilt final : public Mechanism {
+ public:
+  using Change = std::function<void(Kinematics&, bool isTrack)>;
+  explicit Spoilt(Change change, int motors = 3)
+      : Mechanism("spoilt", JointLimits{JointVector::Ones(motors), JointVector::Ones(3)}),
+        sound_(loadCartesian(test::deviceFile("cartesian-3.toml"))) {
+    setHome();
+    change_ = std::move(change);
+  }
+  Status track(const JointVector& q, const JointVector& rates, bool withInertia,
+               Kinematics& kinematics) const noexcept override {
+    const Status status = sound_.track(q, rates, withInertia, kinematics);
+    if (status == Status::ok && change_) change_(kinematics, true);
+    return status;
+  }
+  Status reach(const Pose& pose, const Vec6& twist, bool withInertia, Kinematics& kinematics) const noexcept override {
+    const Status status = sound_.reach(pose, twist, withInertia, kinematics);
+    if (status == Status::ok && change_) change_(kinematics, false);
+    return status;
+  }
+  Status accelerate(const Pose&, const Vec6&, const JointVector&, const Vec6&, Vec6&) const noexcept override {
+    return Status::inactive;
+  }
+  std::vector<Bar> bars(const Pose&) const override { return {}; }
+
+ private:
+  CartesianMechanism sound_;
+  Change change_;
+};
+
 }  // namespace
+
+TEST_CASE("every mechanism passes its check; a wrong one is refused with the quantity that is wrong", "[mechanism]") {
+  for (const test::Shipped& shipped : test::shippedDevices()) {
+    INFO(shipped.file);
+    const auto mechanism = shipped.mechanism();
+    checkMechanism(*mechanism, Pose{});
+    test::Random random(41);
+    for (int i = 0; i < 20; ++i) checkMechanism(*mechanism, shipped.pose(random));
+  }
+  const double bad = std::nan("");
+  using Wrong = std::pair<const char*, Spoilt::Change>;
+  for (const auto& [text, change] : {
+           Wrong{"reach() at the start pose: the Jacobian has 6 x 2 numbers, must have 6 x 3",
+                 [](Kinematics&k, bool) { k.jacobian.setOnes(6, 2); }},
+           Wrong{"the Jacobian is zero, so the motors cannot push", [](Kinematics&k, bool) { k.jacobian.setZero(); }},
+           Wrong{"the Jacobian is not finite", [bad](Kinematics&k, bool) { k.jacobian(0, 0) = bad; }},
+           Wrong{"the transposed inverse of the Jacobian has 6 x 0 numbers",
+                 [](Kinematics&k, bool) { k.inverseTransposed.resize(6, 0); }},
+           Wrong{"the inverse does not belong to the Jacobian",
+                 [](Kinematics&k, bool) { k.inverseTransposed.setZero(); }},
+           Wrong{"the inverse does not belong to the Jacobian", [](Kinematics&k, bool) { k.jacobian *= 2.0; }},
+           Wrong{"the vector of joint coordinates has 2 numbers, must have 3",
+                 [](Kinematics&k, bool) { k.q.setZero(2); }},
+           Wrong{"the vector of joint rates is not finite", [bad](Kinematics&k, bool) { k.rates[2] = bad; }},
+           Wrong{"the gravity torque has 4 numbers", [](Kinematics&k, bool) { k.gravity.setZero(4); }},
+           Wrong{"the rotation is not", [](Kinematics&k, bool) { k.pose.rotation *= 2.0; }},
+           Wrong{"the position is not finite", [bad](Kinematics&k, bool) { k.pose.position[1] = bad; }},
+           Wrong{"the twist is not finite", [bad](Kinematics&k, bool) { k.twist[4] = bad; }},
+           Wrong{"the mass matrix has 0 x 0 numbers", [](Kinematics&k, bool) { k.inertia.resize(0, 0); }},
+           Wrong{"the mass matrix is not positive definite", [](Kinematics&k, bool) { k.inertia.setZero(); }},
+           Wrong{"track() at the start pose: the joints that reach() gives lead to another pose, 0.01 m",
+                 [](Kinematics&k, bool isTrack) { k.pose.position[0] += isTrack ? 0.01 : 0.0; }},
+           Wrong{"track() at the start pose: the twist differs from Jacobian times joint rates by 1",
+                 [](Kinematics&k, bool) { k.twist *= 2.0; }},
+       })
+    CHECK_THROWS_WITH(checkMechanism(Spoilt(change), Pose{}), ContainsSubstring(text));
+  CHECK_THROWS_WITH(checkMechanism(Spoilt({}), Pose{Vec3(5.0, 0.0, 0.0), Mat3::Identity()}),
+                    ContainsSubstring("reach() at the start pose: the status is \"unreachable\""));
+  CHECK_THROWS_WITH(checkMechanism(Spoilt({}, 2), Pose{}),
+                    ContainsSubstring("the vector of largest efforts has 2 numbers, must have 3"));
+  CHECK_NOTHROW(checkMechanism(Spoilt({}), Pose{}));
+}
 
 TEST_CASE("every mechanism: home is P = W, at rest, with inertia, and limits that fit its joints", "[mechanism]") {
   for (const test::Shipped& shipped : test::shippedDevices()) {

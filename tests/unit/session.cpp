@@ -2,9 +2,11 @@
 // recording.
 #include "enamel/session/session.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <thread>
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
@@ -12,9 +14,11 @@
 #include "enamel/sim/hand.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
+#include "support/eventually.hpp"
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
 #include "support/session_bench.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace enamel::test_session {
 
@@ -24,6 +28,7 @@ using test::ContainsSubstring;
 using test::cube;
 using test::definition;
 using test::eventsOf;
+using test::eventually;
 using test::pushing;
 using test::wallAt;
 
@@ -392,22 +397,90 @@ TEST_CASE("a definition out of range is refused with its reason", "[session]") {
   CHECK_THAT(refusal([](SessionDef& d) { d.bur = Bur{3, 0.05, 2000.0}; }), ContainsSubstring("the bur is part 3"));
 }
 
+TEST_CASE("an obstacle that is probably in another unit gives an event", "[session]") {
+  const test::TemporaryFolder folder;
+  SessionDef def = definition();
+  def.scene = folder / "micrometres.toml";
+  test::writeFile(def.scene,
+                  "name = \"micrometres\"\nstart = [0, 0, 0]\n[[obstacle]]\nname = \"molar\"\nshape = \"mesh\"\n"
+                  "file = \"" ENAMEL_SOURCE_DIR "/data/meshes/molar.ply\"\nunit = \"um\"\nposition = [0, 0, -0.1]\n");
+  const double scale = GENERATE(1.0, 5.0);
+  if (scale != 1.0) def.map = WorkspaceMap{Pose{}, scale};
+  Session session(def);
+  std::vector<SessionEvent> events = eventsOf(session, EventKind::unusualSize);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].obstacle == session.find("molar"));
+  CHECK(events[0].extent == Approx(11e-6).epsilon(0.1));
+
+  SessionObstacle box = ball("box", {0.0, 0.0, -10.0}, 1e-3);
+  box.mesh = std::make_shared<MeshModel>(test::boxMesh({1.5, 0.1, 0.1}));
+  const ObstacleId id = session.add(box);
+  SessionObstacle tooth = ball("tooth", {0.1, 0.0, 0.0}, 1e-3);
+  tooth.solid = cube();
+  (void)session.add(tooth);
+  (void)session.add(wallAt("wall", -1.0));
+  events = eventsOf(session, EventKind::unusualSize);
+  REQUIRE(events.size() == (scale == 1.0 ? 1 : 0));
+  if (!events.empty()) CHECK(events[0].obstacle == id);
+
+  box.mesh = std::make_shared<MeshModel>(test::boxMesh({0.1, 0.1, 6.0}));
+  session.replace(id, box);
+  events = eventsOf(session, EventKind::unusualSize);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].extent == Approx(12.0));
+  CHECK(std::string(toString(events[0].kind)) == "unusual size of an obstacle: is its unit right?");
+}
+
+TEST_CASE("a host sees refused commands, and a loop that hangs", "[session][threads]") {
+  class Refusing final : public HapticDevice {
+   public:
+    explicit Refusing(const Session& session) : device_(makeVirtualDevice(session)) {}
+    Status measure(Measurement& measurement) noexcept override { return device_->measure(measurement); }
+    Status actuate(const Command&) noexcept override { return Status::inactive; }
+
+   private:
+    std::unique_ptr<SimulatedDevice> device_;
+  };
+  std::atomic<bool> hangs{false};
+  SessionDef def = definition();
+  def.lockMemory = false;
+  def.beforeTick = [&hangs](TickAccess&) {
+    while (hangs) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  Session session(def);
+  CHECK(session.snapshot().sinceTick == 0.0);
+  session.start(std::make_unique<Refusing>(session));
+  REQUIRE(eventually([&] { return session.snapshot().unsent > 3; }));
+  hangs = true;
+  constexpr double kLong = 0.05;  // s
+  REQUIRE(eventually([&] { return session.snapshot().sinceTick > kLong; }));
+  const std::uint64_t last = session.snapshot().tick.number;
+  hangs = false;
+  REQUIRE(eventually([&] {
+    const Snapshot now = session.snapshot();
+    return now.tick.number > last && now.sinceTick < kLong;
+  }));
+  session.stop();
+  CHECK(session.snapshot().sinceTick == 0.0);
+}
+
 TEST_CASE("a loop in its own thread, changed by two others at random", "[session][threads]") {
   SessionDef def = definition();
   Session session(def);
   (void)session.add(wallAt("wall", 0.0));
   CHECK_THROWS_WITH(session.start(std::unique_ptr<HapticDevice>()), ContainsSubstring("the device is null"));
-  session.start(makeVirtualDevice(session));
+  test::PressingHand hand(session.start());
+  session.start(makeVirtualDevice(session, hand.wrench()));
   CHECK(session.isRunning());
   CHECK_THROWS_WITH(session.start(makeVirtualDevice(session)), ContainsSubstring("already running"));
   const std::chrono::duration<double> length(test::longRun() ? 600.0 : 0.2);
   test::RandomChanges one(session, 1, length), two(session, 2, length);
-  const test::Watched watched = test::watch(session, length);
+  const test::Watched watched = test::watch(session, hand, length);
   const auto [changes, failures] = one.finish();
   const auto [others, failed] = two.finish();
   CHECK(failures == 0);
   CHECK(failed == 0);
-  CHECK(watched.otherStops == 0);
+  CHECK(watched.otherReasons == "");
   if (test::longRun())
     std::cout << "changes of two threads: " << changes << ", " << others << "; the guard stopped " << watched.lateStops
               << " times; pressed " << watched.pressed << " of the time\n";

@@ -283,6 +283,19 @@ TEST_CASE("solid: layers, their contacts' material, undo and restore", "[solid]"
   CHECK(contacts.contacts[0].material.stiffness == 1e6);
 }
 
+TEST_CASE("solid: cells of volume / area keep a part of every convex body", "[solid]") {
+  test::Random random(5);
+  for (int i = 0; i < 50; ++i) {
+    const Vec3 half(random.uniform(0.2e-3, 3e-3), random.uniform(0.2e-3, 3e-3), random.uniform(0.2e-3, 3e-3));
+    TriangleMesh mesh = test::boxMesh(half);
+    const Mat3 turn = random.rotation(3.0);
+    for (Vec3& vertex : mesh.vertices) vertex = turn * vertex;
+    const MeshReport body = inspect(mesh);
+    CAPTURE(i);
+    CHECK(sum(Solid(MeshModel(mesh), kTooth, {body.volume / body.area}).volume()) > 0.0);
+  }
+}
+
 TEST_CASE("solid: what is refused, what finds nothing", "[solid]") {
   const MeshModel box(test::boxMesh(Vec3(3e-3, 2e-3, 1.5e-3)));
   TriangleMesh open = test::boxMesh(Vec3(3e-3, 2e-3, 1.5e-3));
@@ -302,6 +315,9 @@ TEST_CASE("solid: what is refused, what finds nothing", "[solid]") {
   CHECK_THROWS_WITH(build(MeshModel(test::boxMesh(Vec3::Constant(3e-6))), kTooth, {0.9e-6}),
                     test::ContainsSubstring("at least 1e-06 m"));
   CHECK_THROWS_WITH(build(box, kTooth, {1e-4, -1}), test::ContainsSubstring("undo"));
+  CHECK_THROWS_WITH(build(box, kTooth, {7e-3}),
+                    "cells of 7.000000 mm are too large: no corner of a cell is inside, so nothing of the body would "
+                    "remain; make them at most 0.666667 mm, its volume / area, or check the unit of the mesh");
 
   Solid solid = block(Vec3(1e-3, 1e-3, 1e-3));
   const std::vector<BrickSamples> whole = samplesOf(solid);

@@ -63,7 +63,7 @@ std::string readable(std::string page) {
 
 // Small, but with more runs than run concurrently.
 const std::string kSmall =
-    "--renderers position-control --scenario 1 --grid 2 --runs 8 --preload 2 --inside-tick --encoders ";
+    "--renderers position-control --scenario 1 --grid 2 --runs 5 --preload 2 --inside-tick --encoders ";
 
 // Run it, and send a signal when runs.csv has more than `bytes`.
 test::CommandResult interrupted(const std::string& arguments, const std::string& csv, int bytes, const char* signal) {
@@ -80,7 +80,7 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
   CHECK_FALSE(std::filesystem::exists(folder / "one/convergence.csv"));
   CHECK(file(folder, "one", "report.html").find("Speed against error") == std::string::npos);
   const std::string runs = file(folder, "one", "runs.csv");
-  CHECK(std::count(runs.begin(), runs.end(), '\n') == 1 + 4 * 8);
+  CHECK(std::count(runs.begin(), runs.end(), '\n') == 1 + 4 * 5);
   const auto same = [&](const std::string& name) {
     CHECK(file(folder, name, "runs.csv") == runs);
     CHECK(file(folder, name, "points.csv") == file(folder, "one", "points.csv"));

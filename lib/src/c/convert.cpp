@@ -115,6 +115,8 @@ void toPlain(const Snapshot& in, EnamelSnapshot& out) noexcept {
   out.held = in.held;
   out.dropped_events = in.droppedEvents;
   out.lost_cuts = in.lostCuts;
+  out.unsent = in.unsent;
+  out.since_tick = in.sinceTick;
   out.mode = static_cast<std::int32_t>(tick.mode);
   out.status = resultOf(tick.status);
   out.reason = static_cast<std::int32_t>(tick.reason);
@@ -140,6 +142,7 @@ void toPlain(const SessionEvent& in, EnamelEvent& out) noexcept {
   out.impulse = in.impulse;
   std::copy(in.removed.begin(), in.removed.end(), out.removed);
   out.count = in.count;
+  out.extent = in.extent;
   out.part = in.part;
   out.reason = static_cast<std::int32_t>(in.reason);
 }

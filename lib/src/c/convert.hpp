@@ -11,7 +11,7 @@
 namespace enamel::c {
 
 static_assert(ENAMEL_MAX_TOOL_PARTS == kMaxToolParts && ENAMEL_MAX_LAYERS == kMaxSolidLayers);
-static_assert(ENAMEL_RECORDING_END == static_cast<int>(EventKind::recordingEnd));
+static_assert(ENAMEL_UNUSUAL_SIZE == static_cast<int>(EventKind::unusualSize));
 
 /// Return whether a struct was initialised for this library.
 template <typename Struct>

@@ -436,7 +436,7 @@ const char* enamel_reason_text(std::int32_t reason) {
   return isReason ? toString(static_cast<GuardReason>(reason)) : "unknown reason";
 }
 const char* enamel_event_text(std::int32_t kind) {
-  const bool isKind = kind >= ENAMEL_CONTACT_BEGIN && kind <= ENAMEL_RECORDING_END;
+  const bool isKind = kind >= ENAMEL_CONTACT_BEGIN && kind <= ENAMEL_UNUSUAL_SIZE;
   return isKind ? toString(static_cast<EventKind>(kind)) : "unknown event";
 }
 const char* enamel_result_text(std::int32_t result) {

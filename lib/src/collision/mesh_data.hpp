@@ -55,6 +55,7 @@ struct MeshData {
   bool crossesItself = false;  // when it was built
   bool closed = false;         // no edge is open
   bool sound = false;          // closed, no edge crowded, no triangles cross: pseudonormals give the side
+  bool edited = false;         // vertices moved or triangles were added since: triangles may cross, though it is sound
   bool inwards = false;        // the volume is negative: treated as if all triangles were reversed
   double size = 0.0;           // diagonal of the bounding box, m
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // corners of it; updates only enlarge it

@@ -43,6 +43,7 @@ void taintPlace(MeshData& data, int place) {
 
 void rewrite(MeshData& data, std::int32_t triangle) {
   const std::int32_t slot = data.slotOf[triangle], leaf = slot / kWidth;
+  data.edited = true;
   writeSlot(data, slot, triangle);
   markStale(data, leaf);
   if (data.isDirty[leaf] != 0) return;

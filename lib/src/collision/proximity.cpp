@@ -206,7 +206,7 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
   const double beyondCone = 1.0 - static_cast<double>(data.triangles[found.slot].cone);
   const bool isApart = distance > 1e-9 * data.size;
   bool inside = false;
-  if (isApart && (isOutside || !data.sound)) {
+  if (isApart && (isOutside || !data.sound || data.edited)) {
     inside = !isOutside && isInside(data, p, distance, cache);
   } else {
     if (!isApart || !(side * side > beyondCone * nearest.squared * nearest.normalSquared)) {

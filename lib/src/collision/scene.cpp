@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "collision/mesh_data.hpp"
 #include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
@@ -112,6 +113,18 @@ void checkMaterial(const Material& m, const std::string& name) {
                 ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to "
                 "friction, and a viscosity in 0 to " +
                 formatNumber(kLargestViscosity) + " N s/m");
+}
+
+double unusualSize(const Obstacle& obstacle, double scale) {
+  constexpr double kSmallest = 1e-3, kLargest = 1.0;  // m, for devices that move the tool by some centimetres
+  double size = 0.0;
+  if (const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape)) {
+    const kernel::MeshData& data = kernel::Inside::of(**mesh);
+    size = (data.high - data.low).maxCoeff();
+  } else if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) {
+    size = ((*solid)->high() - (*solid)->low()).maxCoeff();
+  }
+  return size > scale * kLargest || (size > 0.0 && size < scale * kSmallest) ? size : 0.0;
 }
 
 Mat3 frameAlong(const Vec3& axis) noexcept {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "collision/mesh_data.hpp"
 #include "core/message.hpp"
 #include "core/toml.hpp"
 #include "enamel/collision/contacts.hpp"
@@ -17,7 +16,6 @@ namespace {
 constexpr double kLargestPosition = 1.0;  // m
 constexpr double kSmallestSize = 1e-4, kLargestSize = 2.0;
 constexpr double kLargestToolRadius = 0.05;
-constexpr double kSmallestTooth = 1e-3, kLargestTooth = 1.0;  // m: other sizes are probably in another unit
 constexpr double kLeastHardness = 1e3, kMostHardness = 1e12;  // Pa
 constexpr double kLeastThickness = 1e-6, kMostThickness = 0.01;
 constexpr int kMaxObstacles = 64;
@@ -210,29 +208,21 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
 // Note three problems: a mesh without a certain inside, a size that suggests another unit, cells larger than the tool.
 void addNotes(const Obstacle& obstacle, const Tool& tool, std::vector<std::string>& notes) {
   const std::string name = "obstacle \"" + obstacle.name + "\": ";
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   if (const auto* found = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape)) {
     const MeshModel& mesh = **found;
     if (!(obstacle.thickness > 0.0) && !isSound(mesh)) notes.push_back(name + describe(mesh));
-    low = kernel::Inside::of(mesh).low;
-    high = kernel::Inside::of(mesh).high;
   } else if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) {
-    low = (*solid)->low();
-    high = (*solid)->high();
     for (int part = 0; part < tool.count; ++part)
       if (const double radius = tool.parts[static_cast<std::size_t>(part)].radius;
           radius > 0.0 && radius < (*solid)->cell())
         notes.push_back(name + "its cells of " + formatNumber(1e3 * (*solid)->cell()) +
                         " mm are larger than the radius of the tool's part " + std::to_string(part) + ", " +
                         formatNumber(1e3 * radius) + " mm: make `cell` smaller");
-  } else {
-    return;
   }
-  const double size = (high - low).maxCoeff();
-  if (size > kLargestTooth || size < kSmallestTooth)
+  if (const double size = unusualSize(obstacle); size > 0.0)
     notes.push_back(name + "is " + formatNumber(std::round(1e9 * size) / 1e6) +
                     " mm across; if this size is wrong, its unit is probably 1000 times " +
-                    (size > kLargestTooth ? "smaller" : "larger") + ": see `unit` and `scale`");
+                    (size > 1.0 ? "smaller" : "larger") + ": see `unit` and `scale`");
 }
 
 Tool readTool(TomlTable& root) {

@@ -79,8 +79,11 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
   origin_ = data.low - Vec3::Constant(kBorder * cell_);
   const Vec3 cells = (data.high - data.low) / cell_ + Vec3::Constant(2.0 * kBorder);
   const Vec3 along = (cells / kBrickCells).array().ceil();
-  if (!(along.prod() <= kMostPlaces))
-    throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too small: the solid needs more than 1 GB");
+  const auto refuseCell = [this](const std::string& why) {
+    throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too " + why + ", or check the unit of the mesh");
+  };
+  const char* const small = "small: the solid needs more than 1 GB; make them larger";
+  if (!(along.prod() <= kMostPlaces)) refuseCell(small);
   if (cell_ < kSmallestCell)
     throw Error("the cell of a solid is " + formatNumber(cell_) + " m, must be at least " +
                 formatNumber(kSmallestCell) + " m");
@@ -98,10 +101,15 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
         if (enamel::signedDistance(surface, centre, &cache).distance > least * cell_) continue;
         index_[at] = static_cast<std::int32_t>(places.size());
         places.push_back({x, y, z});
-        if (static_cast<double>(places.size()) * (sizeof(Brick) + sizeof(BrickSamples)) > kMostBytes)
-          throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too small: the solid needs more than 1 GB");
+        if (static_cast<double>(places.size()) * (sizeof(Brick) + sizeof(BrickSamples)) > kMostBytes) refuseCell(small);
       }
   fill(surface, places);
+  if (std::none_of(hasSurface_.begin(), hasSurface_.end(), [](auto has) { return has != 0; })) {
+    // A convex body contains a ball with this radius, and the ball a corner of such a cell.
+    const MeshReport body = inspect(surface.mesh());
+    refuseCell("large: no corner of a cell is inside, so nothing of the body would remain; make them at most " +
+               std::to_string(1e3 * std::abs(body.volume) / body.area) + " mm, its volume / area");
+  }
   for (const Brick& brick : bricks_) original_.push_back(brick.samples);
   kept_.resize(static_cast<std::size_t>(options.undoBricks));
   changed_.resize(bricks_.size());

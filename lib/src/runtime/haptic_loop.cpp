@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <iostream>
 #include <thread>
 
 #include "core/message.hpp"
@@ -13,6 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kShortestPeriod = 1e-4, kLongestPeriod = 2e-3;  // limits of the period, s
+constexpr int kLongestCall = 2;                                  // s, before the end of a loop names the call
 
 double since(Clock::time_point begin) noexcept { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
@@ -65,13 +67,25 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
 
 LoopBody::~LoopBody() { device_.close(); }
 
+Status LoopBody::send() noexcept {
+  calling_.store("actuate() of the device", std::memory_order_relaxed);
+  const Status sent = device_.actuate(command_);
+  calling_.store(nullptr, std::memory_order_relaxed);
+  if (sent == Status::ok) return sent;
+  unsent_.fetch_add(1, std::memory_order_relaxed);
+  if (sink_ != nullptr) sink_->unsent();
+  return sent;
+}
+
 bool LoopBody::step() noexcept {
   const auto begin = Clock::now();
   if (first_ && sink_ != nullptr) sink_->atStart();
   const GuardOptions& guard = haptics_.guard().options();
   // The first tick uses the constructor's measurement unless a newer one exists.
   Measurement fresh = measurement_;
+  calling_.store("measure() of the device", std::memory_order_relaxed);
   Status device = device_.measure(fresh);
+  calling_.store("a renderer or a hook in the tick", std::memory_order_relaxed);
   const bool fails = device != Status::ok && device != Status::stale;
   if (device == Status::ok || first_) {
     if (device == Status::ok) measurement_ = fresh;
@@ -85,7 +99,7 @@ bool LoopBody::step() noexcept {
     heldAll_.fetch_add(1, std::memory_order_relaxed);
     // If the loop polls faster than the device measures, a sample may be late by half of the difference.
     if (silence_ < ((measurement_.age + 1) * ticks_ + 0.5 * (ticks_ - period_)) * (1.0 - 1e-9)) {
-      if (device_.actuate(command_) != Status::ok) unsent_.fetch_add(1, std::memory_order_relaxed);
+      (void)send();
       return true;
     }
     ++measurement_.age;
@@ -105,9 +119,8 @@ bool LoopBody::step() noexcept {
   tick_.status = haptics_(tick_.measurement, command_);
   tick_.command = command_;
   tick_.compute = since(measured);
-  const Status sent = device_.actuate(command_);
+  const Status sent = send();
   tick_.age = since(begin);
-  if (sent != Status::ok) unsent_.fetch_add(1, std::memory_order_relaxed);
   tick_.device = device != Status::ok ? device : sent;
   age_.add(tick_.age);
 
@@ -138,9 +151,24 @@ HapticLoop::HapticLoop(HapticDevice& device, HapticTick& haptics, const HapticLo
           body_.period(), [this] { period(); }, options.priority) {}
 
 HapticLoop::~HapticLoop() {
-  while (!stopped()) {  // ends within a bounded number of periods, whatever the device does
-    stop();
+  // Ends within a bounded number of periods, whatever the device reports.
+  std::uint64_t periods = 0;
+  auto lastPeriod = Clock::now();
+  for (bool isNamed = false; !thread_.ended();) {
+    if (stopped())
+      thread_.stop();
+    else
+      stop();
     std::this_thread::sleep_for(std::chrono::duration<double>(body_.period()));
+    if (const std::uint64_t now = timing().periods; now != periods) {
+      periods = now;
+      lastPeriod = Clock::now();
+    }
+    const char* const call = body_.calling();
+    if (isNamed || call == nullptr || since(lastPeriod) < kLongestCall) continue;
+    isNamed = true;
+    std::cerr << "haptic loop: " + std::string(call) + " has not returned for " + std::to_string(kLongestCall) +
+                     " s; the loop cannot stop before it returns\n";
   }
 }
 

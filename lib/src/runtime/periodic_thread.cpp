@@ -31,7 +31,7 @@ PeriodicThread::PeriodicThread(double period, std::function<void()> work, int pr
 }
 
 PeriodicThread::~PeriodicThread() {
-  stop_.store(true, std::memory_order_relaxed);
+  stop();
   thread_.join();
 }
 
@@ -62,6 +62,7 @@ void PeriodicThread::run(std::int64_t period, int priority) noexcept {
       deadline += late * period;
     }
   }
+  ended_.store(true, std::memory_order_release);
 }
 
 }  // namespace enamel

@@ -80,6 +80,7 @@ struct Session::Impl final : TickSink {
   void enter(std::unique_ptr<session::World> next);
   std::size_t slotOf(ObstacleId id) const;
   void changeObstacles(session::Obstacles next);
+  void checkSize(ObstacleId id);
   RendererChoice choose(const std::string& name, const std::map<std::string, std::string>& parameters) const;
   void select(RendererChoice next);
   void enterLoop(Loop kind);
@@ -88,6 +89,7 @@ struct Session::Impl final : TickSink {
   // The loop.
   void atStart() noexcept override { loopThread.store(std::this_thread::get_id(), std::memory_order_relaxed); }
   void before(Measurement& measurement) noexcept override;
+  void unsent() noexcept override { ++refused; }
   void tick(const LoopTick& tick, const HapticTick& haptics) noexcept override;
   bool exists(ObstacleId id) const noexcept;
   double scale() const noexcept { return mapped ? mapped->scale() : 1.0; }
@@ -142,14 +144,15 @@ struct Session::Impl final : TickSink {
   GuardReason fault = GuardReason::none;
   bool isLost = false;
   double lastTime = -1.0, lastCut = 0.0;  // s
-  std::uint64_t missed = 0, held = 0, dropped = 0, lostCuts = 0;
-  RemovedVolume removed{}, unsent{};
+  std::uint64_t missed = 0, held = 0, refused = 0, dropped = 0, lostCuts = 0;
+  RemovedVolume removed{}, unreported{};
   ObstacleId cutObstacle;
   std::vector<std::shared_ptr<session::SharedCuts>> outboxes, inboxes;  // fixed while a loop runs
 
   // Between the loop and the callers.
   SpscRing<SessionEvent, 1024> events;
   mutable TripleBuffer<Snapshot> snapshots;
+  std::atomic<std::int64_t> began{0};  // the last tick, or the loop before its first one; of system::clockNow(), ns
 };
 
 }  // namespace enamel

@@ -70,6 +70,7 @@ ObstacleId Session::add(const SessionObstacle& obstacle) {
   next.solids[slot] = obstacle.solid;
   impl_->changeObstacles(std::move(next));
   ++group.lastGeneration;
+  impl_->checkSize(id);
   return id;
 }
 
@@ -89,6 +90,7 @@ void Session::replace(ObstacleId id, const SessionObstacle& by) {
   next.solids[slot] = by.solid;
   impl_->changeObstacles(std::move(next));
   ++impl_->group->lastGeneration;
+  impl_->checkSize(id);
 }
 
 void Session::setMaterial(ObstacleId id, const Material& material) {

@@ -12,6 +12,7 @@
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/sim/hand.hpp"
+#include "runtime/system_thread.hpp"
 #include "session/impl.hpp"
 
 namespace enamel {
@@ -71,9 +72,12 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
   Kinematics atStart = seen.home();
   const Status startStatus =
       isRotation(start.rotation) ? seen.reach(start, Vec6::Zero(), false, atStart) : Status::outOfRange;
-  require(startStatus == Status::ok,
+  const bool isOfDevice =
+      startStatus == Status::notFinite && start.position.allFinite();  // checkMechanism() reports it
+  require(startStatus == Status::ok || isOfDevice,
           std::string("session: the start pose of the tool is ") + toString(startStatus) +
               "; is it in metres, with a rotation matrix, and within the device's workspace?");
+  checkMechanism(seen, start);
   choice = choose(def.renderer, def.parameters);
   GuardOptions guard = def.guard ? *def.guard : guardFor(*device, period);
   if (mapped) guard = toScene(guard, mapped->map());
@@ -96,6 +100,8 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
     member->inboxes.push_back(there);
   }
   group->members.push_back(this);
+  for (std::size_t i = 0; i < group->obstacles.generation.size() && !def.sharesWith; ++i)
+    checkSize({static_cast<int>(i), group->obstacles.generation[i]});
 }
 
 Session::Impl::~Impl() { leave(); }
@@ -180,6 +186,7 @@ void Session::Impl::requireRoom() {
 void Session::Impl::enterLoop(Loop kind) {
   hasRun = true;
   lastTime = -1.0;
+  began.store(system::clockNow(), std::memory_order_relaxed);
   atStart();
   runs.store(kind, std::memory_order_release);
 }
@@ -218,6 +225,15 @@ void Session::Impl::changeObstacles(Obstacles next) {
   }
   for (std::size_t i = 0; i < worlds.size(); ++i) group->members[i]->enter(std::move(worlds[i]));
   group->obstacles = std::move(next);
+}
+
+// Report a size that suggests another unit. Nothing is reported if 1024 changes are waiting.
+void Session::Impl::checkSize(ObstacleId id) {
+  SessionEvent event;
+  event.kind = EventKind::unusualSize;
+  event.obstacle = id;
+  event.extent = unusualSize(group->obstacles.scene.obstacles()[static_cast<std::size_t>(id.slot)], scale());
+  if (event.extent > 0.0 && queue.hasRoom()) post([this, event]() noexcept { sendEvent(event); });
 }
 
 void Session::Impl::select(RendererChoice next) {
@@ -297,7 +313,10 @@ Status Session::tick(const Measurement& measurement, Command& command) noexcept 
 Snapshot Session::snapshot() const {
   const Lock lock = impl_->lock();
   impl_->snapshots.refresh();
-  return impl_->snapshots.latest();
+  Snapshot now = impl_->snapshots.latest();
+  if (impl_->isLive())
+    now.sinceTick = 1e-9 * static_cast<double>(system::clockNow() - impl_->began.load(std::memory_order_relaxed));
+  return now;
 }
 
 bool Session::nextEvent(SessionEvent& event) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/system_thread.hpp"
 #include "session/impl.hpp"
 
 namespace enamel {
@@ -70,6 +71,7 @@ void Session::Impl::applySharedCuts() noexcept {
 }
 
 void Session::Impl::before(Measurement& measurement) noexcept {
+  began.store(system::clockNow(), std::memory_order_relaxed);
   queue.run();
   applySharedCuts();
   const int button = def.clutchButton;
@@ -211,18 +213,18 @@ void Session::Impl::watchCuts(const LoopTick& tick) noexcept {
     const RemovedVolume& volume = world->drill->removed();
     for (std::size_t i = 0; i < removed.size(); ++i) {
       removed[i] += volume[i];
-      unsent[i] += volume[i];
+      unreported[i] += volume[i];
     }
   }
   const double time = tick.measurement.time;
-  const bool isAny = std::any_of(unsent.begin(), unsent.end(), [](double volume) { return volume > 0.0; });
+  const bool isAny = std::any_of(unreported.begin(), unreported.end(), [](double volume) { return volume > 0.0; });
   if (!isAny || std::abs(time - lastCut) < kCutEvent) return;
   SessionEvent event;
   event.kind = EventKind::cut;
   event.obstacle = cutObstacle;
-  event.removed = unsent;
+  event.removed = unreported;
   sendEvent(event);
-  unsent = RemovedVolume{};
+  unreported = RemovedVolume{};
   lastCut = time;
 }
 
@@ -257,6 +259,7 @@ void Session::Impl::publish(const LoopTick& tick, const TickFrame& frame) noexce
   now.removed = removed;
   now.missed = missed;
   now.held = held;
+  now.unsent = refused;
   now.droppedEvents = dropped;
   now.lostCuts = lostCuts;
   snapshots.publish();
@@ -293,6 +296,7 @@ const char* toString(EventKind kind) noexcept {
     case EventKind::deviceLost: return "device lost";
     case EventKind::deviceBack: return "device back";
     case EventKind::recordingEnd: return "recording ended";
+    case EventKind::unusualSize: return "unusual size of an obstacle: is its unit right?";
   }
   return "unknown event";
 }

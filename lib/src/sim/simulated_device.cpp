@@ -16,7 +16,7 @@ constexpr double kMostBehind = 0.1;  // s
 
 }  // namespace
 
-void SimulatedDevice::open() { begin_ = now() - std::llround(1e9 * device_.time()); }
+void SimulatedDevice::open() { isMoving_ = false; }
 
 Status SimulatedDevice::measure(Measurement& measurement) noexcept {
   return status_ != Status::ok ? status_ : device_.measure(measurement);
@@ -25,6 +25,8 @@ Status SimulatedDevice::measure(Measurement& measurement) noexcept {
 Status SimulatedDevice::actuate(const Command& command) noexcept {
   double periods = 1.0;
   if (realTime_) {
+    if (!isMoving_) begin_ = now() - std::llround(1e9 * device_.time());
+    isMoving_ = true;
     const double behind = 1e-9 * static_cast<double>(now() - begin_) - device_.time();
     periods = std::clamp(std::round(behind / period_), 1.0, std::ceil(kMostBehind / period_));
     if (behind > kMostBehind + period_) begin_ = now() - std::llround(1e9 * (device_.time() + kMostBehind));

@@ -250,10 +250,12 @@ typedef struct EnamelSnapshot {
   double gripper;                    /* rad; NaN: none */
   double removed[ENAMEL_MAX_LAYERS]; /* material removed since the start, m^3 by layer */
   uint64_t missed, held, dropped_events, lost_cuts;
-  int32_t mode;   /* EnamelMode */
-  int32_t status; /* EnamelResult of the tick, or ENAMEL_STOPPED */
-  int32_t reason; /* of the guard for this tick: enamel_reason_text() */
-  int32_t fault;  /* latched; 0: none */
+  uint64_t unsent;   /* commands that the device of enamel_start_device() refused */
+  double since_tick; /* s since the last tick began: grows if the loop hangs; 0: no loop runs */
+  int32_t mode;      /* EnamelMode */
+  int32_t status;    /* EnamelResult of the tick, or ENAMEL_STOPPED */
+  int32_t reason;    /* of the guard for this tick: enamel_reason_text() */
+  int32_t fault;     /* latched; 0: none */
   int32_t enabled, clutched, spins;
   uint32_t buttons;
   int32_t contact_count; /* near contacts: those with a gap above 0 do not touch */
@@ -269,7 +271,8 @@ enum EnamelEventKind {
   ENAMEL_MISSED = 4,
   ENAMEL_DEVICE_LOST = 5,
   ENAMEL_DEVICE_BACK = 6,
-  ENAMEL_RECORDING_END = 7
+  ENAMEL_RECORDING_END = 7,
+  ENAMEL_UNUSUAL_SIZE = 8 /* a new mesh or solid is probably in another unit: extent */
 };
 
 typedef struct EnamelEvent {
@@ -283,6 +286,7 @@ typedef struct EnamelEvent {
   double impulse;                    /* of a contact that ends, at the hand, N s */
   double removed[ENAMEL_MAX_LAYERS]; /* of a cut, m^3 by layer */
   uint64_t count;                    /* of missed periods */
+  double extent;                     /* of an unusual size, m */
   int32_t part;
   int32_t reason; /* of a stop by the guard */
 } EnamelEvent;

@@ -72,6 +72,10 @@ class Scene {
 /// name, shape and thickness. Meshes and solids are the same if they are the same object. Realtime: yes.
 bool isSameObstacle(const Scene& before, const Scene& now, std::size_t number) noexcept;
 
+/// Return the largest extent of a mesh or a solid along its axes, m, if it suggests another unit; otherwise 0. Usual
+/// are 1 mm to 1 m, times `scale`, that of the device's workspace in W. Other shapes give 0. Realtime: no.
+double unusualSize(const Obstacle& obstacle, double scale = 1.0);
+
 /// Return a rotation whose third column is `axis` (unit length, W): the frame of a half space or a capsule.
 /// Realtime: yes.
 Mat3 frameAlong(const Vec3& axis) noexcept;

@@ -58,7 +58,7 @@ class Solid {
   ///
   /// Throws Error for:
   /// - a mesh that is not closed, also that of a layer;
-  /// - a cell below kSmallestCell, or so small that the solid would need more than 1 GB;
+  /// - a cell below kSmallestCell, so small that the solid would need more than 1 GB, or so large that nothing remains;
   /// - no layer, or more than kMaxSolidLayers;
   /// - a layer without hardness, or with a depth below that of the layer before;
   /// - a negative `undoBricks`.

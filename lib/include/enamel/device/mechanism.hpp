@@ -133,4 +133,13 @@ class Mechanism {
   Kinematics home_;
 };
 
+/// Check a mechanism of your own at the pose where its ticks begin. Throws Error with the function and the wrong
+/// quantity if
+/// - reach() or track() fails there, or gives an array of the wrong size or a number that is not finite;
+/// - the Jacobian is zero, or the inverse does not belong to it: J (inverseTransposed)^T J must be J;
+/// - the mass matrix is not positive definite;
+/// - track() of the joints that reach() gives leads to another pose, or its twist is not J q'.
+/// Realtime: no.
+void checkMechanism(const Mechanism& mechanism, const Pose& start);
+
 }  // namespace enamel

@@ -47,6 +47,9 @@ class TickSink {
   /// Called before each tick. It may change the measurement, for example `enabled`. Must be Realtime: yes.
   virtual void before(Measurement& measurement) noexcept { (void)measurement; }
 
+  /// Called when actuate() refused a command. Must be Realtime: yes.
+  virtual void unsent() noexcept {}
+
   /// Called after actuate(). `haptics` has the TickFrame with its output, and the guard. Must be Realtime: yes.
   virtual void tick(const LoopTick& tick, const HapticTick& haptics) noexcept = 0;
 };
@@ -97,7 +100,12 @@ class LoopBody {
   std::uint64_t unsent() const noexcept { return unsent_.load(std::memory_order_relaxed); }
   double period() const noexcept { return period_; }
 
+  /// Return the name of the function that step() is calling now; null: none. Threads: any. Realtime: yes.
+  const char* calling() const noexcept { return calling_.load(std::memory_order_relaxed); }
+
  private:
+  Status send() noexcept;
+
   HapticDevice& device_;
   HapticTick& haptics_;
   TickSink* sink_;
@@ -110,6 +118,7 @@ class LoopBody {
   int left_ = 0;          // ticks until the rendered part has ramped out
   DurationHistogram age_;
   std::atomic<std::uint64_t> heldAll_{0}, unsent_{0};
+  std::atomic<const char*> calling_{nullptr};
 };
 
 /// A thread with a LoopBody. It refers to device and haptics, which must outlive it. No other code may use them while
@@ -120,7 +129,8 @@ class HapticLoop {
   /// then closed again.
   HapticLoop(HapticDevice& device, HapticTick& haptics, const HapticLoopOptions& options = {});
 
-  /// Stop and wait for the end, about 50 ms.
+  /// Stop and wait for the end, about 50 ms. If a function of the device, a renderer or a hook does not return for 2 s,
+  /// one line on stderr names it. The destructor then waits further.
   ~HapticLoop();
   HapticLoop(const HapticLoop&) = delete;
   HapticLoop& operator=(const HapticLoop&) = delete;

@@ -37,12 +37,17 @@ class PeriodicThread {
 
   const PeriodicTiming& timing() const noexcept { return timing_; }
 
+  /// Request the end after the present call, without waiting. ended() returns whether the thread has ended. Realtime:
+  /// yes.
+  void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+  bool ended() const noexcept { return ended_.load(std::memory_order_acquire); }
+
  private:
   void run(std::int64_t period, int priority) noexcept;
 
   std::function<void()> work_;
   PeriodicTiming timing_;
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, ended_{false};
   std::thread thread_;
 };
 

@@ -34,8 +34,8 @@ namespace enamel {
 /// obstacles.
 class Session {
  public:
-  /// Throws Error as loadDevice(), loadScene(), findRenderer(), makeLinked(), MappedMechanism and HapticTick, and for a
-  /// value of the definition outside its range.
+  /// Throws Error as loadDevice(), loadScene(), findRenderer(), makeLinked(), checkMechanism(), MappedMechanism and
+  /// HapticTick, and for a value of the definition outside its range.
   explicit Session(const SessionDef& def);
   ~Session();  ///< calls stop()
   Session(const Session&) = delete;

@@ -79,8 +79,10 @@ struct Snapshot {
   RemovedVolume removed{};          ///< material removed by this session since its start, m^3 by layer
   std::uint64_t missed = 0;         ///< periods that passed without a tick, by the time stamps
   std::uint64_t held = 0;           ///< ticks without a new sample
+  std::uint64_t unsent = 0;         ///< commands that the device of start() refused
   std::uint64_t droppedEvents = 0;  ///< events without room in the queue
   std::uint64_t lostCuts = 0;       ///< cuts that another session did not take in time: its solids have more material
+  double sinceTick = 0.0;           ///< s since the last tick began: grows if the loop hangs; 0: no loop runs
 };
 
 /// Largest component of an effect, N and N m.
@@ -101,6 +103,7 @@ enum class EventKind : std::uint8_t {
   deviceLost,    ///< the device gives no samples, or its driver failed
   deviceBack,    ///< it gives samples again; a fault of the guard remains until reset()
   recordingEnd,  ///< a change of scene, tool or renderer ended the recording
+  unusualSize,   ///< the size of a new mesh or solid suggests another unit: `extent` (see unusualSize())
 };
 
 struct SessionEvent {
@@ -116,6 +119,7 @@ struct SessionEvent {
   GuardReason reason = GuardReason::none;
   RemovedVolume removed{};  ///< m^3 by layer
   std::uint64_t count = 0;  ///< of `missed`
+  double extent = 0.0;      ///< unusualSize: the largest one of the obstacle along its axes, m
 };
 
 /// Return the name of a kind in plain words. Realtime: yes.

@@ -11,7 +11,8 @@ namespace enamel {
 /// several times. It must be Realtime: yes.
 using WrenchFunction = std::function<Vec6(double time, const Pose& pose, const Vec6& twist)>;
 
-/// A VirtualDevice that actuate() moves on: by one period or, in real time, to the present of the clock since open().
+/// A VirtualDevice that actuate() moves on: by one period or, in real time, to the present of the clock since its first
+/// command.
 class SimulatedDevice final : public HapticDevice {
  public:
   /// Throws Error as VirtualDevice. Realtime: no.
@@ -37,6 +38,7 @@ class SimulatedDevice final : public HapticDevice {
   WrenchFunction load_;
   double period_;
   bool realTime_;
+  bool isMoving_ = false;   // from the first command on: a loop may take milliseconds to start
   std::int64_t begin_ = 0;  // ns, clock at the device's time 0
   Status status_ = Status::ok;
 };
