@@ -97,7 +97,10 @@ void Guard::forEachNumber(AnyState& s, const Visit& visit) {
     for (auto& number : row) visit(number);
   for (auto* account : {&s.commanded, &s.reported}) {
     visit(account->energy);
-    for (auto& number : account->beyond) visit(number);
+    visit(account->misfit);
+    visit(account->single);
+    for (auto* row : {&account->beyond, &account->surprise})
+      for (auto& number : *row) visit(number);
     for (auto& mode : account->modes)
       for (auto& number : mode) visit(number);
   }

@@ -15,6 +15,9 @@ constexpr double kForgets = 0.2;        // s, decay time of the largest recent f
 constexpr double kLeastForce = 1e-3;    // N; smaller forces count as zero
 constexpr double kLargestEnergy = 1e6;  // J
 constexpr double kTorqueError = 0.05;   // share of the largest torque of a motor: deviation of its errors in a tick
+constexpr double kPushChange = 0.003;   // the same of the change of the hand's push in a tick
+constexpr double kMisfitTime = 0.1;     // s, of the mean of the squared errors of prediction
+constexpr double kSure = 3.0;           // standard deviations by which this mean must exceed the model's value
 constexpr double kLever = 0.05;         // m, lever that converts a moment to a force
 // Reported torque: filter time, s; least share of the commands' power; noise and maximum, of the motor's limit.
 constexpr double kReportTime = 0.01, kReportShare = 0.75, kReportNoise = 0.03, kLargestReport = 1.5;
@@ -30,6 +33,9 @@ void Guard::describeModes(const Mechanism& device) {
   const JointVector inertia = eigenvaluesOf(links, axes);
   require(inertia.minCoeff() > 0.0, "guard: the inertia of the links without the rotors is not positive definite");
   lag_ = lagOf(d);
+  // Variance of the mean: a change of normal errors, squared, has the variance 2 and a correlation of 1/4 with the
+  // next.
+  mostMisfit_ = 1.0 + kSure * std::sqrt(1.5 * options_.period / (kMisfitTime * n_));
   for (int k = 0; k < n_; ++k) {
     const ModeMotion<4> motion = modeMotion<4>(d, inertia[k], options_.period);
     Mode& mode = modes_[k];
@@ -40,17 +46,23 @@ void Guard::describeModes(const Mechanism& device) {
       torque += error * error;
       rounding += axis * axis * options_.encoderStep[j] * options_.encoderStep[j] / 12.0;
     }
-    Matrix<kMotion> step, P = Matrix<kMotion>::Zero();
-    for (int i = 0; i < kMotion; ++i) {
+    Matrix<kMotion> step = Matrix<kMotion>::Identity(), P = Matrix<kMotion>::Zero();
+    for (int i = 0; i < kPush; ++i) {
       mode.command[i] = motion.command[i];
-      for (int j = 0; j < kMotion; ++j) step(i, j) = mode.kept[j][i] = motion.state[i][j];
+      step(i, kPush) = motion.push[i];
+      for (int j = 0; j < kPush; ++j) step(i, j) = motion.state[i][j];
     }
-    const Matrix<kMotion, 1> impulse = step.col(kRotorRate) * (std::sqrt(torque) * options_.period / d.rotorInertia);
+    for (int i = 0; i < kMotion; ++i)
+      for (int j = 0; j < kMotion; ++j) mode.kept[j][i] = step(i, j);
+    const Matrix<kMotion, 1> impulse = step.col(kRotorRate) * (std::sqrt(torque) * options_.period / d.rotorInertia),
+                             push = step.col(kPush) * (std::sqrt(torque) * kPushChange / kTorqueError);
+    const Matrix<kMotion> noise = impulse * impulse.transpose() + push * push.transpose();
     Matrix<kMotion, 1> gain = Matrix<kMotion, 1>::Zero(), last;
     for (int i = 0; i < kMostSteps; ++i) {
       last = gain;
-      P = (step * P * step.transpose() + impulse * impulse.transpose()).eval();
-      gain = P.col(read()) / (P(read(), read()) + rounding);
+      P = (step * P * step.transpose() + noise).eval();
+      mode.variance = P(read(), read()) + rounding;
+      gain = P.col(read()) / mode.variance;
       P = (P - gain * P.row(read())).eval();
       if ((gain - last).norm() <= 1e-12 * gain.norm()) break;
     }
@@ -101,12 +113,14 @@ double Guard::energy() const noexcept {
 }
 
 // Return the work of the cables on the links since the last sample, J. Kalman filters of the modes estimate the motion
-// of rotors and links from the torques above gravity and the steps of the readings.
+// of rotors and links from the torques above gravity and the steps of the readings. A push of the hand
+// that changes fast shifts the errors of prediction. So only the changes of these errors show whether the model is
+// right.
 double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Account& account) const noexcept {
   const int ticks = std::clamp(static_cast<int>(std::lround(elapsed / options_.period)), 1, options_.longestGap);
   const double perTime = 1.0 / (ticks * options_.period), perLag = perTime / lag_,
                rotor = perTime * options_.drive.rotorInertia;
-  double work = 0.0;
+  double work = 0.0, misfit = 0.0;
   for (int k = 0; k < n_; ++k) {
     const Mode& mode = modes_[k];
     double command = 0.0, reading = 0.0;
@@ -118,8 +132,9 @@ double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Ac
     Motion x = before;
     for (int tick = 0; tick < ticks; ++tick) {
       Motion next;
-      for (int i = 0; i < kMotion; ++i) next[i] = mode.command[i] * command + mode.kept[kMotor][i] * x[kMotor];
-      for (int j = 0; j < kMotor; ++j)  // the motor does not depend on the mechanical states
+      for (int i = 0; i < kMotion; ++i)
+        next[i] = mode.command[i] * command + mode.kept[kMotor][i] * x[kMotor] + mode.kept[kPush][i] * x[kPush];
+      for (int j = 0; j < kMotor; ++j)  // motor and push do not depend on these
         for (int i = 0; i < kMotor; ++i) next[i] += mode.kept[j][i] * x[j];
       x = next;
     }
@@ -128,13 +143,20 @@ double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Ac
     // the oscillation within a tick: the predicted change of kinetic energy minus this product in the prediction.
     const double middle = 0.5 * (x[kLinkRate] + before[kLinkRate]);
     work += mode.inertia * change(kLinkRate) * (middle - change(kLink) * perTime);
-    const double surprise = reading - x[read()], motor = command - change(kMotor) * perLag;
-    for (int i = 0; i < kMotor; ++i) x[i] += mode.gain[i] * surprise;
+    const double surprise = reading - x[read()], motor = command - change(kMotor) * perLag,
+                 jump = surprise - account.surprise[k];
+    misfit += jump * jump / (2.0 * n_ * mode.variance);
+    account.surprise[k] = surprise;
+    for (int i = 0; i < kMotion; ++i) x[i] += mode.gain[i] * surprise;
     work += (motor - rotor * change(kRotorRate)) * change(kLink);
     x[kRotor] -= reading;
     x[kLink] -= reading;
     account.modes[k] = x;
   }
+  const bool single = ticks == 1;
+  if (single && account.single)
+    account.misfit += std::min(1.0, options_.period / kMisfitTime) * (misfit - account.misfit);
+  account.single = single;
   return work;
 }
 
@@ -156,7 +178,10 @@ double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque,
     work += beyond[i] * step - 0.5 * o.encoderStep[i] * std::abs(beyond[i] - account.beyond[i]);
   }
   account.beyond = beyond;
-  if (o.drive.stiffness > 0.0) work = workOnLinks(beyond, steps, elapsed, account);
+  if (o.drive.stiffness > 0.0) {
+    const double onLinks = workOnLinks(beyond, steps, elapsed, account);
+    if (account.misfit <= mostMisfit_) work = onLinks;  // otherwise the readings refute the model of the cables
+  }
   const double force = std::sqrt(wrench.head<3>().squaredNorm() + wrench.tail<3>().squaredNorm() / (kLever * kLever));
   const double peak = std::max(force, s.peak);
   if (peak > kLeastForce) {

@@ -154,14 +154,14 @@ class Guard {
  private:
   using Row = std::array<double, kMaxJoints>;
   // A mode of the links behind cables (lib/src/render/mode_table.hpp): angles of rotor and link relative to the last
-  // reading, their rates, and torque of the motor above gravity.
-  enum : int { kRotor, kRotorRate, kLink, kLinkRate, kMotor, kMotion };
+  // reading, their rates, torque of the motor above gravity, and push of the hand on the link.
+  enum : int { kRotor, kRotorRate, kLink, kLinkRate, kMotor, kPush, kMotion };
   using Motion = std::array<double, kMotion>;
   struct Mode {
     Row axis{};
-    double inertia = 0.0;
-    std::array<Motion, kMotion> kept{};  // effect of each state on the states a period later
-    Motion command{}, gain{};            // effect of the command; of a reading minus its prediction (Kalman filter)
+    double inertia = 0.0, variance = 0.0;  // of the link; of a reading minus its prediction
+    std::array<Motion, kMotion> kept{};    // effect of each state on the states a period later
+    Motion command{}, gain{};              // effect of the command; of a reading minus its prediction (Kalman filter)
   };
   static constexpr int kReportLags = kMostGuardDelay + 1;
   // Energy given to the tool, computed from one estimate of the acting torque.
@@ -169,6 +169,9 @@ class Guard {
     double energy = 0.0;                     // J
     Row beyond{};                            // torque above gravity before the last tick
     std::array<Motion, kMaxJoints> modes{};  // behind cables: estimated from this torque and the readings
+    Row surprise{};                          // last readings of the modes minus their predictions
+    double misfit = 0.0;                     // mean square of its changes, over the variance that the model predicts
+    bool single = false;                     // the last sample came after one period
   };
   struct State {
     GuardReason fault = GuardReason::none;
@@ -231,10 +234,10 @@ class Guard {
   GuardOptions options_;
   int n_;
   bool damped_;
-  std::array<Mode, kMaxJoints> modes_;  // of devices with cables
-  double lag_ = 0.0;                    // of the motors behind cables, 1/s
-  JointVector most_;                    // the motors' own limits, N m or N
-  Row weight_{};                        // weight of a joint in a comparison of torques: 1 / most_^2
+  std::array<Mode, kMaxJoints> modes_;   // of devices with cables
+  double lag_ = 0.0, mostMisfit_ = 0.0;  // of the motors behind cables, 1/s; of a model that the readings do not refute
+  JointVector most_;                     // the motors' own limits, N m or N
+  Row weight_{};                         // weight of a joint in a comparison of torques: 1 / most_^2
   std::uint64_t ignored_ = 0;
   int ignoredJoint_ = -1;
   State state_;
