@@ -484,7 +484,7 @@ TEST_CASE("behind cables the guard stops what gives the tool energy, also with w
       s.normal = (i % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(static_cast<Eigen::Index>(i / 2 % 3));
       s.share = 1.0;
       s.seed = test::seed() * 1000000 + i;
-      s.errors.cable = 1.0 + error * test::Random(s.seed).uniform(-1.0, 1.0);
+      s.errors.cable = 1.0 + error * test::Random(s.seed + count).uniform(-1.0, 1.0);
       outcomes[i] = outcomeOf(s, s.seed);
     });
     int stopped = 0, early = 0, missed = 0;

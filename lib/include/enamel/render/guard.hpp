@@ -154,7 +154,7 @@ class Guard {
  private:
   using Row = std::array<double, kMaxJoints>;
   // A mode of the links behind cables (lib/src/render/mode_table.hpp): angles of rotor and link relative to the last
-  // reading, their rates, torque of the motor above gravity, and push of the hand on the link.
+  // reading, and their rates. Then torque of the motor above gravity, and push of the hand on the link.
   enum : int { kRotor, kRotorRate, kLink, kLinkRate, kMotor, kPush, kMotion };
   using Motion = std::array<double, kMotion>;
   struct Mode {
