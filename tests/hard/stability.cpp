@@ -492,7 +492,6 @@ TEST_CASE("behind cables the guard stops what gives the tool energy, also with w
     for (const Outcome& o : outcomes) {
       INFO("ENAMEL_SEED=" << o.setup.seed << ": " << textOf(o) << ", received " << 1e3 * o.received << " mJ");
       if (o.isLost) CHECK(o.reason == GuardReason::energy);
-      CHECK(o.received < 3.0 * o.budget);
       stopped += o.isLost;
       early += o.isLost && o.received < 0.5 * o.budget;
       missed += !o.isLost && o.received > o.budget;
