@@ -339,11 +339,17 @@ Eigen::MatrixXd Fit::covariance() {
     B(k, k) += isFixed[i] != 0 ? 0.0 : precision;
   }
   const Eigen::MatrixXd inverse = A.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
-  return inverse * B * inverse;
+  // Blocks do not show errors that are slower than they are, such as that of a constant force: the fit takes these from
+  // the residual. The spectrum does show them, so that the larger variance counts.
+  const Eigen::MatrixXd sandwich = inverse * B * inverse;
+  const Eigen::VectorXd scale = (inverse.diagonal().array() / sandwich.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  return scale.asDiagonal() * sandwich * scale.asDiagonal();
 }
 
 void Fit::refine() {
-  observer_.substeps = std::max(observer_.substeps, static_cast<int>(std::lround(period() / kFineStep)));
+  const double steps = std::max<double>(observer_.substeps, period() / kFineStep);
+  observer_.parts = kFineParts;
+  observer_.substeps = kFineParts * static_cast<int>(std::ceil(steps / kFineParts - 1e-9));
   forget();
 }
 

@@ -19,6 +19,7 @@
 namespace enamel::identify {
 
 inline constexpr double kFineStep = 5e-5;     // s, of refine()
+inline constexpr int kFineParts = 4;          // of a tick
 inline constexpr double kNoiseBegin = 100.0;  // Hz
 
 class Fit {
@@ -45,7 +46,8 @@ class Fit {
 
   /// Return the covariance of x: A^-1 (B + P) A^-1. A is the information of data and prior, P that of the prior alone,
   /// and B the sum of products of the scores of blocks of kBlock s. It holds for residuals of any spectrum and changing
-  /// variance (H. White 1980; blocks as W. Newey and K. West 1987). A fixed unknown has zero rows.
+  /// variance (H. White 1980; blocks as W. Newey and K. West 1987). A variance below that of A^-1 is replaced by it. A
+  /// fixed unknown has zero rows.
   Eigen::MatrixXd covariance();
 
   /// Return the share of the variance of the torque that the model explains below 20 Hz, for each joint.
@@ -67,7 +69,8 @@ class Fit {
   /// Return the deviation of each residual above kNoiseBegin, rad or m.
   Eigen::VectorXd noise();
 
-  /// Simulate in steps of kFineStep from now on. The derivatives remain those of the coarse steps.
+  /// Simulate in steps of kFineStep and kFineParts parts of a tick from now on. The derivatives remain those of the
+  /// coarse steps.
   void refine();
 
   /// Forget the simulation at x: reference() was changed.
