@@ -161,7 +161,7 @@ struct PushTask {
   const PushOptions& options;
   PushSetup setup;
   std::shared_ptr<const Mechanism> device;  // of the file, with the plant's drives: servos are designed for it
-  std::shared_ptr<const Mechanism> plant;   // with the damping of --device-damping
+  std::shared_ptr<const Mechanism> plant;   // the same with the damping of --device-damping
   MakePlant makePlant;
   PluginSetup plugin;
   double damping = 0.0;  // of the plant along the normal, N s/m
@@ -184,7 +184,7 @@ PushTask taskOf(const PushOptions& options) {
   DeviceParameters parameters = loadDevice(options.device);
   PushTask task{options, {}, makeMechanism(modelFor(options.plant, parameters)), {}, {}, {}, 0.0, 0.0, {}};
   addDamping(parameters, options.deviceDamping * Vec6::Unit(2));
-  task.plant = makeMechanism(parameters);
+  task.plant = makeMechanism(modelFor(options.plant, parameters));
   task.setup = setupOf(options);
   task.makePlant = makerOf(options.plant, parameters, task.setup);
   return task;

@@ -119,26 +119,56 @@ TEST_CASE("walls that are known to be bad are stopped by their energy", "[hard]"
     }
 }
 
+namespace {
+
+// A push of 8 to 15 N that begins at a random instant.
+PushSetup hardPush(int delay, std::uint32_t run) {
+  PushSetup setup;
+  setup.delay = {delay, delay};
+  setup.encoders = {true, RateSource::difference, 100.0};
+  setup.duration = 1.2;
+  setup.run = run;
+  setup.hand.preload = 1.0;
+  setup.hand.force = 8.0 + 0.5 * (run % 15);
+  setup.hand.instant = randomInstant(setup.seed, run);
+  return setup;
+}
+
+}  // namespace
+
 // Cables of 300 N m/rad: one tick of the largest torque gives a rotor 24 mJ, but little of it reaches the tool.
 TEST_CASE("behind soft cables position control is left alone, and a spring that gives energy is stopped", "[hard]") {
   DeviceParameters file = loadDevice(test::deviceFile("tau-detailed.toml"));
   std::get<TauParameters>(file).imperfections.cableStiffness = 300.0;
   const std::shared_ptr<const Mechanism> model = makeMechanism(file);
   const auto push = [&](Renderer& renderer, int delay, std::uint32_t run) {
-    PushSetup setup;
-    setup.delay = {delay, delay};
-    setup.encoders = {true, RateSource::difference, 100.0};
-    setup.duration = 1.2;
-    setup.run = run;
-    setup.hand.preload = 1.0;
-    setup.hand.force = 8.0 + 0.5 * (run % 15);
-    setup.hand.instant = randomInstant(setup.seed, run);
+    const PushSetup setup = hardPush(delay, run);
     return runPush(std::make_unique<ImperfectPlant>(makeImperfectDevice(file, setup.seed, run)), *model, renderer,
                    setup, [](const TickRecord&, const VirtualLoop&) {});
   };
   for (const int delay : {0, 1, 2})
     for (int run = 0; run < test::count(10, 200); ++run) {
       PositionControlRenderer servo(positionControlFor(*model, 1e-3, delay, delay));
+      INFO("delay " << delay << ", run " << run);
+      CHECK(push(servo, delay, static_cast<std::uint32_t>(run)).status == Status::ok);
+    }
+  ImpedanceRenderer spring({20e3, 0.0});
+  const PushResult result = push(spring, 3, 0);
+  CHECK(result.status == Status::stopped);
+  CHECK(result.guard == GuardReason::energy);
+}
+
+TEST_CASE("where the device lacks the cables of its file, the guard counts as with a rigid transmission", "[hard]") {
+  const DeviceParameters file = loadDevice(test::deviceFile("tau-detailed.toml"));
+  const std::shared_ptr<const Mechanism> model = makeMechanism(file), rigid = makeMechanism(idealOf(file));
+  const auto push = [&](Renderer& renderer, int delay, std::uint32_t run) {
+    const PushSetup setup = hardPush(delay, run);
+    return runPush(std::make_unique<ClosedFormPlant>(*rigid), *model, renderer, setup,
+                   [](const TickRecord&, const VirtualLoop&) {});
+  };
+  for (const int delay : {0, 1, 2})
+    for (int run = 0; run < test::count(10, 200); ++run) {
+      PositionControlRenderer servo(positionControlFor(*rigid, 1e-3, delay, delay));
       INFO("delay " << delay << ", run " << run);
       CHECK(push(servo, delay, static_cast<std::uint32_t>(run)).status == Status::ok);
     }

@@ -277,7 +277,7 @@ TEST_CASE("the template keeps the contract, and a loop feels a wall with it", "[
     if (result.status == 0) break;
   }
   INFO(result.output);
-  CHECK((result.status == 0 || result.output.find("a tick came late") != std::string::npos));
+  CHECK((result.status == 0 || result.output.find("stopped by the guard: ") != std::string::npos));
   CHECK_THAT(result.output, !ContainsSubstring("ticks in contact 0,"));
 }
 

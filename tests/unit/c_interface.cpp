@@ -247,6 +247,7 @@ TEST_CASE("NULL and wrong sizes are errors of every function", "[c]") {
                                     enamel_obstacle_defaults(nullptr),
                                     enamel_session_create(nullptr, nullptr, {nullptr, 0}),
                                     enamel_message(nullptr, {nullptr, 0}),
+                                    enamel_start(nullptr),
                                     enamel_start_device(nullptr, nullptr),
                                     enamel_start_virtual(nullptr, nullptr, nullptr),
                                     enamel_stop(nullptr),
@@ -567,6 +568,32 @@ TEST_CASE("before_tick moves, activates and adds effects; a virtual device runs 
   CHECK(now.contact_count == 1);
   CHECK(host.calls > 0);
   CHECK(host.failures == 0);
+}
+
+TEST_CASE("a URL in the definition is the device of enamel_start", "[c]") {
+  EnamelSessionDef def = defaults();
+  def.device = "virtual:" ENAMEL_SOURCE_DIR "/data/devices/cartesian-3.toml";
+  const Handle session(def);
+  REQUIRE(enamel_start(session) == ENAMEL_OK);
+  CHECK(enamel_start(session) == ENAMEL_FAILED);
+  EnamelSnapshot now = snapshotOf(session);
+  for (int i = 0; i < 20000 && now.tick < 10; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    now = snapshotOf(session);
+  }
+  CHECK(now.tick >= 10);
+  CHECK(now.joints == 3);
+  REQUIRE(enamel_stop(session) == ENAMEL_OK);
+
+  const Handle own(defaults());
+  CHECK(enamel_start(own) == ENAMEL_FAILED);
+  std::array<char, 256> text{};
+  CHECK(enamel_message(own, {text.data(), text.size()}) == ENAMEL_OK);
+  CHECK_THAT(text.data(), test::ContainsSubstring("needs a URL"));
+  def.device = "mouse://0";
+  EnamelSession* none = nullptr;
+  CHECK(enamel_session_create(&def, &none, {text.data(), text.size()}) == ENAMEL_FAILED);
+  CHECK_THAT(text.data(), test::ContainsSubstring("device URL \"mouse://0\""));
 }
 
 TEST_CASE("frames of Unity: z is mirrored, and rotations keep their effect", "[c]") {

@@ -109,7 +109,7 @@ TEST_CASE("a virtual device runs in one process, and the forms of URLs are liste
     if (result.status == 0) break;
   }
   INFO(result.output);
-  CHECK((result.status == 0 || result.output.find("a tick came late") != std::string::npos));
+  CHECK((result.status == 0 || result.output.find("stopped by the guard: ") != std::string::npos));
   CHECK(numberAfter(result.output, "ticks in contact ") > 0);
   CHECK(numberAfter(result.output, record + ", ") > 0);
   CHECK_THAT(run("devices").output, ContainsSubstring("virtual:FILE") && ContainsSubstring("udp://HOST:PORT"));

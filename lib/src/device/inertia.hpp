@@ -19,4 +19,7 @@ inline bool factorInertia(const JointMatrix& inertia, Cholesky<kMaxJoints>& fact
 /// Return the eigenvalues of a symmetric matrix in ascending order.
 Vec3 eigenvaluesOf(const Mat3& matrix) noexcept;
 
+/// Do the same, and set the columns of `axes` to the eigenvectors. Reads the lower triangle.
+JointVector eigenvaluesOf(const JointMatrix& matrix, JointMatrix& axes) noexcept;
+
 }  // namespace enamel

@@ -100,6 +100,12 @@ Vec3 eigenvaluesOf(const Mat3& matrix) noexcept {
   return Eigen::SelfAdjointEigenSolver<Mat3>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
+JointVector eigenvaluesOf(const JointMatrix& matrix, JointMatrix& axes) noexcept {
+  const Eigen::SelfAdjointEigenSolver<JointMatrix> solver(matrix);
+  axes = solver.eigenvectors();
+  return solver.eigenvalues();
+}
+
 void Mechanism::setHome(const Pose& home) {
   const auto refuse = [this](const std::string& problem) {
     throw ConfigurationError("device \"" + name_ + "\"", 0, "", problem);

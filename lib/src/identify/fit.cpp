@@ -21,6 +21,8 @@ constexpr double kBlock = 0.25;         // s, of the scores
 constexpr double kBandwidth = 8.0;      // independent frequencies in the narrowest band
 constexpr double kExplained = 20.0;     // Hz, below which explained() compares
 constexpr double kConverged = 0.1;      // expected change of the log likelihood in the next step
+constexpr double kGood = 0.7;           // of the expected gain: the derivatives are still good
+constexpr double kSlow = 0.02;          // least gain of a first step, of the cost
 constexpr double kLongestStep = 1.5;    // of the spread of an unknown
 
 // Replace the values of ticks without a sample by straight lines.
@@ -122,18 +124,22 @@ void Fit::updateSlopes(const Residuals& base) {
   });
 }
 
-Fit::Powers Fit::powers(const Residuals& residuals, bool isRelative) const {
+Fit::Powers Fit::powers(const Residuals& residuals, double corner) const {
   Powers all(pieces_.size());
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     const Piece& piece = pieces_[p];
     const Spectrum& spectrum = *piece.spectrum;
     for (Eigen::Index joint = 0; joint < residuals[p].rows(); ++joint) {
+      const bool isRelative = corner > 0.0;
       Eigen::VectorXd row = residuals[p].row(joint);
       if (isRelative) row = piece.motion->reading.row(joint).segment(piece.first, piece.count);
       if (isRelative) row.array() -= row.mean();
-      Eigen::VectorXd power = spectrum.bands(spectrum.transform(row));
-      if (isRelative) power = (kRelative * kRelative * power).array() + floor_[joint] / kFloor;
-      all[p].push_back(spectrum.spread(power.cwiseMax(floor_[joint])));
+      Eigen::VectorXd power = spectrum.spread(spectrum.bands(spectrum.transform(row)).cwiseMax(floor_[joint]));
+      if (isRelative) {
+        const Eigen::ArrayXd share = kRelative * (1.0 + (spectrum.frequencies().array() / corner).square());
+        power = share.square() * power.array() + floor_[joint] / kFloor;
+      }
+      all[p].push_back(std::move(power));
     }
   }
   return all;
@@ -164,7 +170,7 @@ double Fit::misfit() {
     base_ = residuals(x, restarts);
     baseAt_ = x;
   }
-  const Powers power = powers(base_, false);
+  const Powers power = powers(base_, 0.0);
   double sum = cost(base_, power) + priorCost(x);
   for (std::size_t p = 0; p < pieces_.size(); ++p)
     for (const Eigen::VectorXd& row : power[p])
@@ -254,11 +260,14 @@ Eigen::VectorXd Fit::stepOf(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, 
   return step;
 }
 
-void Fit::improve(int steps, bool isRelative, bool keepsSlopes) {
+void Fit::improve(int steps, double corner, bool keepsSlopes) {
+  bool isOld = true;
   for (int taken = 0; taken < steps; ++taken) {
     (void)misfit();  // updates base_
-    if (!keepsSlopes || slopes_.empty()) updateSlopes(base_);
-    const Powers power = powers(base_, isRelative);
+    const bool isFresh = slopes_.empty() || (isOld && !keepsSlopes);
+    if (isFresh) updateSlopes(base_);
+    isOld = false;
+    const Powers power = powers(base_, corner);
     Eigen::MatrixXd A;
     Eigen::VectorXd b;
     normalEquations(base_, power, A, b);
@@ -270,26 +279,31 @@ void Fit::improve(int steps, bool isRelative, bool keepsSlopes) {
     }
     const double before = cost(base_, power) + priorCost(x);
     Eigen::VectorXd step;
-    bool isBetter = false;
-    for (double damping = 0.0; damping < 200.0 && !isBetter; damping = std::max(0.01, 10.0 * damping)) {
+    double gain = 0.0;
+    for (double damping = 0.0; damping < 200.0 && !(gain > 0.0); damping = std::max(0.01, 10.0 * damping)) {
       step = stepOf(A, b, damping);
       const Eigen::VectorXd next = x + step;
       int left = 0;
       Residuals there = residuals(next, left);
-      isBetter = !there.empty() && cost(there, power) + priorCost(next) < before;
-      if (!isBetter) continue;
+      if (there.empty()) continue;
+      gain = before - cost(there, power) - priorCost(next);
+      if (!(gain > 0.0)) continue;
       x = baseAt_ = next;
       base_ = std::move(there);
       restarts = left;
     }
-    if (!isBetter || step.dot(b - 0.5 * A * step) < kConverged) return;
+    const double expected = step.dot(b - 0.5 * A * step);
+    isOld = gain < kGood * expected;
+    if (expected < std::max(kConverged, corner > 0.0 ? kSlow * before : 0.0) ||
+        (!(gain > 0.0) && (isFresh || keepsSlopes)))
+      return;
   }
 }
 
 Eigen::MatrixXd Fit::covariance() {
   (void)misfit();
   if (slopes_.empty()) updateSlopes(base_);
-  const Powers power = powers(base_, false);
+  const Powers power = powers(base_, 0.0);
   Eigen::MatrixXd A;
   Eigen::VectorXd b;
   normalEquations(base_, power, A, b);
@@ -325,11 +339,17 @@ Eigen::MatrixXd Fit::covariance() {
     B(k, k) += isFixed[i] != 0 ? 0.0 : precision;
   }
   const Eigen::MatrixXd inverse = A.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
-  return inverse * B * inverse;
+  // Blocks do not show errors that are slower than they are, such as that of a constant force: the fit takes these from
+  // the residual. The spectrum does show them, so that the larger variance counts.
+  const Eigen::MatrixXd sandwich = inverse * B * inverse;
+  const Eigen::VectorXd scale = (inverse.diagonal().array() / sandwich.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  return scale.asDiagonal() * sandwich * scale.asDiagonal();
 }
 
 void Fit::refine() {
-  observer_.substeps = std::max(observer_.substeps, static_cast<int>(std::lround(period() / kFineStep)));
+  const double steps = std::max<double>(observer_.substeps, period() / kFineStep);
+  observer_.parts = kFineParts;
+  observer_.substeps = kFineParts * static_cast<int>(std::ceil(steps / kFineParts - 1e-9));
   forget();
 }
 
@@ -357,7 +377,7 @@ std::vector<Eigen::VectorXd> Fit::whiteTorque() {
   reading_ = piece.motion->reading.middleCols(piece.first, piece.count);
   torqueGain_.clear();
   std::vector<Eigen::VectorXd> torques;
-  const Powers power = powers(base_, false);
+  const Powers power = powers(base_, 0.0);
   for (Eigen::Index joint = 0; joint < reading_.rows(); ++joint) {
     const Eigen::VectorXd gain = torquePerReading(spectrum, joint);
     const Eigen::VectorXd deviation = power[0][static_cast<std::size_t>(joint)].cwiseSqrt();

@@ -18,7 +18,8 @@
 
 namespace enamel::identify {
 
-inline constexpr double kFineStep = 5e-5;  // s, of refine()
+inline constexpr double kFineStep = 5e-5;     // s, of refine()
+inline constexpr int kFineParts = 4;          // of a tick
 inline constexpr double kNoiseBegin = 100.0;  // Hz
 
 class Fit {
@@ -35,16 +36,18 @@ class Fit {
   /// Use the data from `begin` s to `end` s, counted over all motions. Infinite: to their end.
   void use(double begin, double end);
 
-  /// Take at most `steps` steps of Gauss and Newton. `isRelative` weights each band by the power of the reading: for a
-  /// model that is far from the device. `keepsSlopes` reuses the derivatives of the last call.
-  void improve(int steps, bool isRelative, bool keepsSlopes = false);
+  /// Take at most `steps` steps of Gauss and Newton. Derivatives are computed again if they predict a step badly, or
+  /// never with `keepsSlopes`. `corner` is for a model that is far from the device: an error of 5 % of the reading
+  /// counts as noise, and more above that frequency, Hz. With 0 the residual is the noise.
+  void improve(int steps, double corner = 0.0, bool keepsSlopes = false);
 
   /// Return the minus log likelihood L at x, with its prior. Comparable for the same data.
   double misfit();
 
   /// Return the covariance of x: A^-1 (B + P) A^-1. A is the information of data and prior, P that of the prior alone,
   /// and B the sum of products of the scores of blocks of kBlock s. It holds for residuals of any spectrum and changing
-  /// variance (H. White 1980; blocks as W. Newey and K. West 1987). A fixed unknown has zero rows.
+  /// variance (H. White 1980; blocks as W. Newey and K. West 1987). A variance below that of A^-1 is replaced by it. A
+  /// fixed unknown has zero rows.
   Eigen::MatrixXd covariance();
 
   /// Return the share of the variance of the torque that the model explains below 20 Hz, for each joint.
@@ -66,7 +69,8 @@ class Fit {
   /// Return the deviation of each residual above kNoiseBegin, rad or m.
   Eigen::VectorXd noise();
 
-  /// Simulate in steps of kFineStep from now on. The derivatives remain those of the coarse steps.
+  /// Simulate in steps of kFineStep and kFineParts parts of a tick from now on. The derivatives remain those of the
+  /// coarse steps.
   void refine();
 
   /// Forget the simulation at x: reference() was changed.
@@ -91,7 +95,7 @@ class Fit {
 
   Residuals residuals(const Eigen::VectorXd& at, int& left) const;
   void updateSlopes(const Residuals& base);
-  Powers powers(const Residuals& residuals, bool isRelative) const;
+  Powers powers(const Residuals& residuals, double corner) const;
   double cost(const Residuals& residuals, const Powers& powers) const;
   double priorCost(const Eigen::VectorXd& at) const;
   void normalEquations(const Residuals& residuals, const Powers& powers, Eigen::MatrixXd& A, Eigen::VectorXd& b) const;

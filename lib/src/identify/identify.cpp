@@ -17,18 +17,20 @@ namespace {
 
 using namespace identify;
 
-constexpr double kFirstDelay = 1.5;        // ticks, where the search begins
-constexpr double kCoarseData = 8.0;        // s, for the first steps
-constexpr double kMostData = 40.0;         // s, for the last ones
-constexpr double kShare = 0.8;             // of the data for the fit; the rest tests it
-constexpr double kLeastExplained = 0.9;    // of the variance of each torque
-constexpr double kCertain = 30.0;          // difference of the log likelihood to the second best delay
-constexpr double kLongestLag = 2e-3;       // s, of slideDelay()
-constexpr double kSlide = 0.15;            // ticks, its steps
-constexpr int kMostSpread = 3;             // ticks, of a random delay
-constexpr double kCoggingEvidence = 30.0;  // gain of the log likelihood that shows cogging
-constexpr double kSeen = 0.3;              // largest deviation of a seen number, of the one before the recording
-constexpr double kNormal = 1.96;           // 95 % of the normal distribution
+constexpr double kFirstDelay = 1.5;                        // ticks, where the search begins
+constexpr double kCorners[] = {20.0, 60.0, 150.0, 400.0};  // Hz, of the first steps: slow motion first
+constexpr double kFirstData = 4.0;                         // s, for them
+constexpr double kCoarseData = 8.0;                        // s, for the first steps
+constexpr double kMostData = 40.0;                         // s, for the last ones
+constexpr double kShare = 0.8;                             // of the data for the fit; the rest tests it
+constexpr double kLeastExplained = 0.9;                    // of the variance of each torque
+constexpr double kCertain = 30.0;                          // difference of the log likelihood to the second best delay
+constexpr double kLongestLag = 2e-3;                       // s, of slideDelay()
+constexpr double kSlide = 0.15;                            // ticks, its steps
+constexpr int kMostSpread = 3;                             // ticks, of a random delay
+constexpr double kCoggingEvidence = 30.0;                  // gain of the log likelihood that shows cogging
+constexpr double kSeen = 0.3;     // largest deviation of a seen number, of the one before the recording
+constexpr double kNormal = 1.96;  // 95 % of the normal distribution
 
 // A delay and how well it explains the recording.
 struct Candidate {
@@ -60,17 +62,19 @@ Candidate tryDelay(Fit& fit, const Eigen::VectorXd& free, int low, int high) {
   fit.x[lagAt] = (rest - lag.reference) / lag.scale;
   fit.isFixed[static_cast<std::size_t>(delayAt)] = 1;
   fit.forget();
-  fit.improve(4, false, true);
+  fit.improve(4, 0.0, true);
   return {low, high, fit.misfit(), fit.x};
 }
 
-// Delay and lag have nearly the same effect. Move along their constant sum to the place that fits best.
-void slideDelay(Fit& fit) {
+// Delay and lag have nearly the same effect. Move along their constant sum to the place that fits best. Returns whether
+// there is a better one.
+bool slideDelay(Fit& fit) {
   const int delayAt = fit.find("loop delay"), lagAt = fit.find("motor lag");
   const Unknown& delay = fit.unknowns()[static_cast<std::size_t>(delayAt)];
   const Unknown& lag = fit.unknowns()[static_cast<std::size_t>(lagAt)];
   const double whole = delay.at(fit.x[delayAt]) + lag.at(fit.x[lagAt]) / fit.period();  // ticks
-  Eigen::VectorXd best = fit.x;
+  const Eigen::VectorXd here = fit.x;
+  Eigen::VectorXd best = here;
   double least = fit.misfit();
   for (double rest = 0.1; rest < std::min(whole, kLongestLag / fit.period()); rest += kSlide) {
     fit.x[delayAt] = (whole - rest - delay.reference) / delay.scale;
@@ -81,6 +85,7 @@ void slideDelay(Fit& fit) {
     }
   }
   fit.x = best;
+  return best != here;
 }
 
 std::string textOf(const Candidate& c) {
@@ -125,9 +130,9 @@ void addCogging(Fit& fit) {
     fit.x[first + k] = found.parts(k / 2, k % 2) / unknowns[static_cast<std::size_t>(k)].scale;
   const auto ripple = static_cast<std::size_t>(fit.find("imperfections.torque_ripple"));
   fit.isFixed[ripple] = 1;  // its phase is that of the cogging
-  fit.improve(4, false);
+  fit.improve(4);
   fit.isFixed[ripple] = 0;
-  fit.improve(4, false);
+  fit.improve(4);
 }
 
 Estimate estimateOf(const Unknown& unknown, double x, double deviation, double before) {
@@ -245,20 +250,19 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   if (!result.isUsable()) return result;
   Fit fit(file, unknownsOf(file), motions, options.threads > 0 ? options.threads : availableThreads());
   fit.x = startOf(fit, wiring.scale);
+  fit.use(0.0, kFirstData);
+  for (const double corner : kCorners) fit.improve(8, corner);
   fit.use(0.0, kCoarseData);
-  fit.improve(3, true);
-  for (int round = 0; round < 3; ++round) {
-    slideDelay(fit);
-    fit.improve(4, false);
-  }
+  fit.improve(8);
+  for (int round = 0; round < 3 && slideDelay(fit); ++round) fit.improve(8);
   addCogging(fit);
   result.delay = chooseDelay(fit);
-  fit.improve(4, false);
+  fit.improve(4);
   const double end = std::min(kMostData, kShare * durationOf(motions));
   fit.use(0.0, end);
-  fit.improve(8, false);
+  fit.improve(8);
   fit.refine();
-  fit.improve(8, false, true);
+  fit.improve(8, 0.0, true);
   addEstimates(fit, file, result);
   result.problems = diagnose(fit, result.delay.low);
   addStatistics(fit, motions, end, result);

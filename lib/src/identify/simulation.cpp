@@ -106,7 +106,7 @@ class Spring {
 };
 
 // The device in joint coordinates: the equations of ImperfectPlant (sim/imperfect_plant.hpp), with the mechanism's
-// inertia and free acceleration constant during a tick. They are those of the middle of the tick.
+// inertia and free acceleration constant during a part of a tick. They are those of its middle.
 template <int N>
 class Device {
  public:
@@ -133,7 +133,9 @@ class Device {
     kinematics_ = device_.mechanism->home();
     if (device_.mechanism->track(q, JointVector::Zero(n_), false, kinematics_) != Status::ok) return false;
     before_ = kinematics_.jacobian;
+    turning_ = 0.0 * before_;
     link_ = {q, Vector::Zero(n_)};
+    last_ = link_.rate;
     rotor_ = {q + compliance * kinematics_.gravity, Vector::Zero(n_)};
     presliding_ = Vector::Zero(n_);
     return true;
@@ -141,15 +143,20 @@ class Device {
 
   Vector reading() const { return (hasCables() ? rotor_.angle : link_.angle) + device_.offset; }
 
-  // Freeze inertia and free acceleration for a tick of `duration` s. Returns false if the mechanism cannot go there.
-  bool beginTick(double duration) {
-    const JointVector middle = link_.angle + 0.5 * duration * link_.rate, none = JointVector::Zero(n_);
+  // Freeze inertia and free acceleration for a part of a tick, `duration` s. Returns false if the mechanism cannot go
+  // there.
+  bool beginPart(double duration) {
     if (!(link_.rate.norm() < kFastest)) return false;
-    if (device_.mechanism->track(middle, link_.rate, true, kinematics_) != Status::ok) return false;
+    const Vector rate = link_.rate + 0.5 * (link_.rate - last_);  // in the middle, if the acceleration continues
+    last_ = link_.rate;
+    const JointVector middle = link_.angle + 0.25 * duration * (link_.rate + rate), none = JointVector::Zero(n_);
+    if (device_.mechanism->track(middle, rate, true, kinematics_) != Status::ok) return false;
     Vec6 free;
     if (device_.mechanism->accelerate(kinematics_.pose, kinematics_.twist, none, Vec6::Zero(), free) != Status::ok)
       return false;
-    free -= (kinematics_.jacobian - before_) * link_.rate / duration;  // J' q'
+    const Jacobian turning = (kinematics_.jacobian - before_) / duration;  // J' at the beginning of the part
+    free -= (1.5 * turning - 0.5 * turning_) * rate;                       // J' q'
+    turning_ = turning;
     before_ = kinematics_.jacobian;
     falling_ = kinematics_.inverseTransposed.transpose() * free;
     const Matrix inertia = kinematics_.inertia;
@@ -188,7 +195,7 @@ class Device {
 
   double disturbed(Eigen::Index i, double torque, double angle) const {
     double sum = torque - friction_[i] * presliding_[i];
-    if (hasCogging_) {  // sine of the angle by a series about the beginning of the tick
+    if (hasCogging_) {  // sine of the angle by a series about the beginning of the part
       const double d = drive_.periods * (angle - begin_[i]), square = d * d;
       const double sine = sine_[i] * (1.0 - square * (0.5 - square / 24.0)) +
                           cosine_[i] * d * (1.0 - square * (1.0 / 6.0 - square / 120.0));
@@ -202,7 +209,8 @@ class Device {
     Vector sum(n_);
     for (Eigen::Index i = 0; i < n_; ++i)
       sum[i] = disturbed(i, torque[i], link_.angle[i] + 0.5 * h * link_.rate[i]) - viscous_[i] * link_.rate[i];
-    const Vector acceleration = falling_ + mobility_ * sum;
+    Vector acceleration = falling_ + mobility_ * sum;
+    acceleration -= mobility_ * (0.5 * h * viscous_.cwiseProduct(acceleration));  // viscous friction of the middle
     link_.angle += h * link_.rate + 0.5 * h * h * acceleration;
     link_.rate += h * acceleration;
   }
@@ -244,12 +252,13 @@ class Device {
   const Imperfections& drive_;
   Eigen::Index n_;
   Vector viscous_, friction_, cogging_, phase_;
-  Vector begin_, sine_, cosine_;  // angle at the beginning of the tick, and sine and cosine of its cogging
+  Vector begin_, sine_, cosine_;  // angle at the beginning of the part, and sine and cosine of its cogging
   bool hasCogging_;
-  Kinematics kinematics_;  // at the middle of the tick
-  Jacobian before_;        // J at the middle of the tick before
-  Vector falling_;         // accelerations of the links without torque
-  Matrix mobility_;        // M^-1
+  Kinematics kinematics_;      // at the middle of the part
+  Jacobian before_, turning_;  // J at the middle of the part before, and J' between
+  Vector last_;                // rates at the beginning of the part before
+  Vector falling_;             // accelerations of the links without torque
+  Matrix mobility_;            // M^-1
   Part link_, rotor_;
   Vector presliding_;  // share of the friction, -1 to 1
 };
@@ -282,6 +291,7 @@ Simulated simulateJoints(const DeviceModel& model, const RecordedMotion& motion,
   require(device.start(motion.reading.col(first)),
           "the recorded joints are out of the reach of \"" + nameOf(model.device) + "\"");
   const double step = 1.0 / observer.substeps;
+  const int part = observer.substeps / observer.parts;
   Motors<N> motors(model, motion, first);
   Spring<Vector> spring(observer, motion.period);
   Simulated simulated;
@@ -293,9 +303,10 @@ Simulated simulateJoints(const DeviceModel& model, const RecordedMotion& motion,
     const Vector held = spring.torque(motion.reading.col(i) - device.reading());
     const auto at = static_cast<std::size_t>(i);
     const double duration = motion.time[at + 1] - motion.time[at];
-    const bool isPossible = device.beginTick(duration);
+    bool isPossible = true;
     motors.beginTick(i, step * duration);
     for (int s = 0; s < observer.substeps; ++s) {
+      if (s % part == 0) isPossible = isPossible && device.beginPart(part * step * duration);
       const Vector torque = held + motors.mean(s * step, (s + 1) * step);
       if (isPossible) device.move(step * duration, torque, s == 0, s + 1 == observer.substeps);
     }

@@ -13,7 +13,8 @@ namespace enamel::identify {
 /// It is the same for all models of a fit, so that their readings differ only by the models.
 struct Observer {
   JointVector stiffness, damping;  ///< N m/rad and N m s/rad, or N/m and N s/m
-  int substeps = 5;                ///< integration steps per tick
+  int substeps = 5;                ///< integration steps per tick, a multiple of `parts`
+  int parts = 1;                   ///< of a tick, with constant inertia and free acceleration
 };
 
 inline constexpr double kObserverRate = 3.0, kObserverFilter = 30.0;  // Hz

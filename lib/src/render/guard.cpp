@@ -60,7 +60,7 @@ Guard::Guard(const Mechanism& device, const GuardOptions& options)
       damped_(!options.damping.isZero(0.0)),
       most_(device.limits().effort),
       ring_(kGuardTicks) {
-  if (options_.drive.stiffness > 0.0) describeTransmission();
+  if (options_.drive.stiffness > 0.0) describeModes(device);
   for (int i = 0; i < n_; ++i)
     if (isDriven(i)) weight_[i] = 1.0 / (most_[i] * most_[i]);
   for (GuardTick& tick : ring_) tick.q = tick.requested = tick.applied = JointVector::Zero(n_);
@@ -97,9 +97,12 @@ void Guard::forEachNumber(AnyState& s, const Visit& visit) {
     for (auto& number : row) visit(number);
   for (auto* account : {&s.commanded, &s.reported}) {
     visit(account->energy);
-    visit(account->held);
-    for (auto* row : {&account->beyond, &account->lagged, &account->stretch, &account->stretchRate})
+    visit(account->misfit);
+    visit(account->single);
+    for (auto* row : {&account->beyond, &account->surprise})
       for (auto& number : *row) visit(number);
+    for (auto& mode : account->modes)
+      for (auto& number : mode) visit(number);
   }
   for (int i = 0; i < 6; ++i) visit(s.twist[i]);
   for (int i = 0; i < 3; ++i) visit(s.surface[i]);

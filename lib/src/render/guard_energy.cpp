@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/message.hpp"
+#include "device/inertia.hpp"
 #include "enamel/render/guard.hpp"
 #include "render/exponential.hpp"
 #include "render/mode_table.hpp"
@@ -12,31 +14,59 @@ namespace {
 constexpr double kForgets = 0.2;        // s, decay time of the largest recent force
 constexpr double kLeastForce = 1e-3;    // N; smaller forces count as zero
 constexpr double kLargestEnergy = 1e6;  // J
-constexpr double kLinkError = 0.2;      // share of the energy of rotors and cables
+constexpr double kTorqueError = 0.05;   // share of the largest torque of a motor: deviation of its errors in a tick
+constexpr double kPushChange = 0.001;   // the same of the change of the hand's push in a tick
+constexpr double kMisfitTime = 0.1;     // s, of the mean of the squared errors of prediction
+constexpr double kSure = 3.0;           // standard deviations by which this mean must exceed the model's value
 constexpr double kLever = 0.05;         // m, lever that converts a moment to a force
 // Reported torque: filter time, s; least share of the commands' power; noise and maximum, of the motor's limit.
 constexpr double kReportTime = 0.01, kReportShare = 0.75, kReportNoise = 0.03, kLargestReport = 1.5;
 
 }  // namespace
 
-void Guard::describeTransmission() {
+// Modes of the links, and the gains of their Kalman filters (lib/docs/guard.md). A filter starts with exact states.
+void Guard::describeModes(const Mechanism& device) {
+  constexpr int kMostSteps = 20000;
   const Drive& d = options_.drive;
+  JointMatrix links = device.home().inertia, axes;
+  links.diagonal().array() -= d.rotorInertia;
+  const JointVector inertia = eigenvaluesOf(links, axes);
+  require(inertia.minCoeff() > 0.0, "guard: the inertia of the links without the rotors is not positive definite");
   lag_ = lagOf(d);
-  for (int joint = 0; joint < n_; ++joint) {
-    // m' = w (u - m),  stretch'' = m / J - (k stretch + b stretch') (1 / J + 1 / L)
-    const double J = d.rotorInertia, L = options_.linkInertia[joint], inverse = 1.0 / J + 1.0 / L;
-    Matrix<4> A;
-    A << -lag_, 0.0, 0.0, lag_, 0.0, 0.0, 1.0, 0.0, 1.0 / J, -d.stiffness * inverse, -d.damping * inverse, 0.0, 0.0,
-        0.0, 0.0, 0.0;
-    const Matrix<4> step = exponential<4>(A * options_.period);
-    Transmission& t = transmission_[joint];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) t.kept[i][j] = step(i, j);
-      t.command[i] = step(i, 3);
+  // Variance of the mean: a change of normal errors, squared, has the variance 2 and a correlation of 1/4 with the
+  // next.
+  mostMisfit_ = 1.0 + kSure * std::sqrt(1.5 * options_.period / (kMisfitTime * n_));
+  for (int k = 0; k < n_; ++k) {
+    const ModeMotion<4> motion = modeMotion<4>(d, inertia[k], options_.period);
+    Mode& mode = modes_[k];
+    mode.inertia = inertia[k];
+    double torque = 0.0, rounding = 0.0;  // variances
+    for (int j = 0; j < n_; ++j) {
+      const double axis = mode.axis[j] = axes(j, k), error = axis * kTorqueError * most_[j];
+      torque += error * error;
+      rounding += axis * axis * options_.encoderStep[j] * options_.encoderStep[j] / 12.0;
     }
-    t.share = 1.0 / (1.0 + J / L);
-    // A full torque step stretches the cable twice as far as the same torque at rest.
-    mostHeld_ += 2.0 * options_.torque[joint] * options_.torque[joint] / d.stiffness;
+    Matrix<kMotion> step = Matrix<kMotion>::Identity(), P = Matrix<kMotion>::Zero();
+    for (int i = 0; i < kPush; ++i) {
+      mode.command[i] = motion.command[i];
+      step(i, kPush) = motion.push[i];
+      for (int j = 0; j < kPush; ++j) step(i, j) = motion.state[i][j];
+    }
+    for (int i = 0; i < kMotion; ++i)
+      for (int j = 0; j < kMotion; ++j) mode.kept[j][i] = step(i, j);
+    const Matrix<kMotion, 1> impulse = step.col(kRotorRate) * (std::sqrt(torque) * options_.period / d.rotorInertia),
+                             push = step.col(kPush) * (std::sqrt(torque) * kPushChange / kTorqueError);
+    const Matrix<kMotion> noise = impulse * impulse.transpose() + push * push.transpose();
+    Matrix<kMotion, 1> gain = Matrix<kMotion, 1>::Zero(), last;
+    for (int i = 0; i < kMostSteps; ++i) {
+      last = gain;
+      P = (step * P * step.transpose() + noise).eval();
+      mode.variance = P(read(), read()) + rounding;
+      gain = P.col(read()) / mode.variance;
+      P = (P - gain * P.row(read())).eval();
+      if ((gain - last).norm() <= 1e-12 * gain.norm()) break;
+    }
+    for (int i = 0; i < kMotion; ++i) mode.gain[i] = gain[i];
   }
 }
 
@@ -82,28 +112,52 @@ double Guard::energy() const noexcept {
   return state_.reports ? std::max(state_.commanded.energy, state_.reported.energy) : state_.commanded.energy;
 }
 
-// Convert a motor's torque and its encoder's motion to the torque and motion of the link. The rest turns the rotor and
-// stretches the cable. Without this, a single strong command that winds up the cable would count as energy of the tool.
-void Guard::reachLink(int joint, double elapsed, Account& s, double& torque, double& way) const noexcept {
-  const Transmission& t = transmission_[joint];
-  const double command = torque, before = s.stretch[joint], rateBefore = s.stretchRate[joint],
-               lagBefore = s.lagged[joint];
+// Return the work of the cables on the links since the last sample, J. Kalman filters of the modes estimate the motion
+// of rotors and links from the torques above gravity and the steps of the readings. A push of the hand
+// that changes fast shifts the errors of prediction. So only the changes of these errors show whether the model is
+// right.
+double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Account& account) const noexcept {
   const int ticks = std::clamp(static_cast<int>(std::lround(elapsed / options_.period)), 1, options_.longestGap);
-  for (int tick = 0; tick < ticks; ++tick) {
-    const double now[3] = {s.lagged[joint], s.stretch[joint], s.stretchRate[joint]};
-    double next[3];
-    for (int i = 0; i < 3; ++i) {
-      next[i] = t.command[i] * command;
-      for (int j = 0; j < 3; ++j) next[i] += t.kept[i][j] * now[j];
+  const double perTime = 1.0 / (ticks * options_.period), perLag = perTime / lag_,
+               rotor = perTime * options_.drive.rotorInertia;
+  double work = 0.0, misfit = 0.0;
+  for (int k = 0; k < n_; ++k) {
+    const Mode& mode = modes_[k];
+    double command = 0.0, reading = 0.0;
+    for (int j = 0; j < n_; ++j) {
+      command += mode.axis[j] * torque[j];
+      reading += mode.axis[j] * step[j];
     }
-    s.lagged[joint] = next[0];
-    s.stretch[joint] = next[1];
-    s.stretchRate[joint] = next[2];
+    const Motion before = account.modes[k];
+    Motion x = before;
+    for (int tick = 0; tick < ticks; ++tick) {
+      Motion next;
+      for (int i = 0; i < kMotion; ++i)
+        next[i] = mode.command[i] * command + mode.kept[kMotor][i] * x[kMotor] + mode.kept[kPush][i] * x[kPush];
+      for (int j = 0; j < kMotor; ++j)  // motor and push do not depend on these
+        for (int i = 0; i < kMotor; ++i) next[i] += mode.kept[j][i] * x[j];
+      x = next;
+    }
+    const auto change = [&](int i) { return x[i] - before[i]; };
+    // The momentum of motor and rotor gives the mean torque of the cable. Mean torque times motion of the link lacks
+    // the oscillation within a tick: the predicted change of kinetic energy minus this product in the prediction.
+    const double middle = 0.5 * (x[kLinkRate] + before[kLinkRate]);
+    work += mode.inertia * change(kLinkRate) * (middle - change(kLink) * perTime);
+    const double surprise = reading - x[read()], motor = command - change(kMotor) * perLag,
+                 jump = surprise - account.surprise[k];
+    misfit += jump * jump / (2.0 * n_ * mode.variance);
+    account.surprise[k] = surprise;
+    for (int i = 0; i < kMotion; ++i) x[i] += mode.gain[i] * surprise;
+    work += (motor - rotor * change(kRotorRate)) * change(kLink);
+    x[kRotor] -= reading;
+    x[kLink] -= reading;
+    account.modes[k] = x;
   }
-  // Mean over the elapsed time, from the momentum balance of motor and rotor. The link moves independently.
-  const double time = ticks * options_.period, motor = command - (s.lagged[joint] - lagBefore) / (lag_ * time);
-  torque = t.share * (motor - options_.drive.rotorInertia * (s.stretchRate[joint] - rateBefore) / time);
-  if (!options_.drive.encoderOnLink) way -= s.stretch[joint] - before;
+  const bool single = ticks == 1;
+  if (single && account.single)
+    account.misfit += std::min(1.0, options_.period / kMisfitTime) * (misfit - account.misfit);
+  account.single = single;
+  return work;
 }
 
 // Add the work of a torque since the last sample to its account. Returns the force of the torque at the TCP, N.
@@ -111,26 +165,23 @@ double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque,
   const State& s = state_;
   const GuardOptions& o = options_;
   const double elapsed = m.time - s.sampleTime;
-  double work = 0.0, held = 0.0;
+  double work = 0.0;
   Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
+  Row beyond{}, steps{};
   for (int i = 0; i < n_; ++i) {
-    double step = m.q[i] - s.q[i], beyond = torque[i] - s.gravity[i];
+    const double step = steps[i] = m.q[i] - s.q[i];
+    beyond[i] = torque[i] - s.gravity[i];
     way += k.jacobian.col(i) * step;
-    if (o.drive.stiffness > 0.0) {
-      reachLink(i, elapsed, account, beyond, step);
-      held += 0.5 * o.drive.stiffness * account.stretch[i] * account.stretch[i] +
-              0.5 * o.drive.rotorInertia * account.stretchRate[i] * account.stretchRate[i];
-    }
-    wrench += k.inverseTransposed.col(i) * beyond;
+    wrench += k.inverseTransposed.col(i) * beyond[i];
     // Rounding to counts can feign at most half a count times the change of torque (summation by parts). Subtract it,
     // so that the energy is a lower bound.
-    work += beyond * step - 0.5 * o.encoderStep[i] * std::abs(beyond - account.beyond[i]);
-    account.beyond[i] = beyond;
+    work += beyond[i] * step - 0.5 * o.encoderStep[i] * std::abs(beyond[i] - account.beyond[i]);
   }
-  // The energy that rotors and cables exchange with the links is only as accurate as the links' inertia.
-  held = std::min(held, mostHeld_);
-  work -= kLinkError * std::abs(held - account.held);
-  account.held = held;
+  account.beyond = beyond;
+  if (o.drive.stiffness > 0.0) {
+    const double onLinks = workOnLinks(beyond, steps, elapsed, account);
+    if (account.misfit <= mostMisfit_) work = onLinks;  // otherwise the readings refute the model of the cables
+  }
   const double force = std::sqrt(wrench.head<3>().squaredNorm() + wrench.tail<3>().squaredNorm() / (kLever * kLever));
   const double peak = std::max(force, s.peak);
   if (peak > kLeastForce) {

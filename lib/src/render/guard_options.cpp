@@ -61,23 +61,6 @@ const char* toString(GuardReason reason) noexcept {
   return "unknown reason";
 }
 
-void setDrive(const Mechanism& device, GuardOptions& o) {
-  const int n = device.joints();
-  o.drive = device.limits().drive;
-  o.linkInertia.resize(0);
-  if (o.drive.stiffness == 0.0) return;
-  Cholesky<kMaxJoints> links;
-  JointMatrix inertia = device.home().inertia;
-  for (int i = 0; i < n; ++i) inertia(i, i) -= o.drive.rotorInertia;
-  factorInertia(inertia, links);
-  o.linkInertia.resize(n);
-  for (int i = 0; i < n; ++i) {
-    JointVector torque = JointVector::Unit(n, i);
-    links.solve(torque.data());
-    o.linkInertia[i] = 1.0 / torque[i];
-  }
-}
-
 GuardOptions guardFor(const Mechanism& device, double period) {
   requirePeriod(period, "guard: ");
   require(device.scale() == 1.0, "guard: the mechanism is mapped; use toScene(guardFor(device, period), map)");
@@ -103,7 +86,7 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   for (int i = 0; i < device.joints(); ++i)
     o.rate[i] = 2.0 * (o.stopSpeed * home.inverseTransposed.col(i).head<3>().norm() +
                        o.stopTurn * home.inverseTransposed.col(i).tail<3>().norm());
-  setDrive(device, o);
+  o.drive = device.limits().drive;
   o.damping = dampingOf(device);
   double force = kUnlimited;
   for (int axis = 0; axis < 3; ++axis)
@@ -153,9 +136,8 @@ const GuardOptions& checked(const Mechanism& device, const GuardOptions& o) {
   require(o.damping.allFinite(), "guard: the damping is not finite");
   requireLimit(o.drive.stiffness, "the stiffness of the cables", "N m/rad or N/m");
   requireLimit(o.drive.damping, "the damping of the cables", "N m s/rad or N s/m");
-  require(o.drive.stiffness == 0.0 ||
-              (o.drive.rotorInertia > 0.0 && o.linkInertia.size() == n && o.linkInertia.minCoeff() > 0.0),
-          "guard: with cables the inertias of rotors and links must be greater than 0");
+  require(o.drive.stiffness == 0.0 || o.drive.rotorInertia > 0.0,
+          "guard: with cables the inertia of the rotors must be greater than 0");
   requireLimit(o.energy, "the energy budget", "J");
   requireLimit(o.power, "the power", "W");
   require(o.softest > 0.0, "guard: the softest wall is " + formatNumber(o.softest) + ", must be greater than 0 N/m");

@@ -111,6 +111,7 @@ ModeMotion<kMech> modeMotion(const Drive& drive, double inertia, double seconds)
   for (int i = 0; i <= kMech; ++i) {
     for (int j = 0; j <= kMech; ++j) motion.state[i][j] = whole(i, j);
     motion.command[i] = whole(i, kMech + 3);
+    motion.push[i] = whole(i, kMech + 1);
   }
   return motion;
 }

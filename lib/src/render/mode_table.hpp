@@ -53,10 +53,10 @@ struct ModeModel {
   double gain[kMech + 1];                        ///< for mechanical states and lag
 };
 
-/// Motion of rotor, link and motor of a mode: x(t + seconds) = state x(t) + command u.
+/// Motion of rotor, link and motor of a mode with a constant push: x(t + seconds) = state x(t) + command u + push p.
 template <int kMech>
 struct ModeMotion {
-  double state[kMech + 1][kMech + 1], command[kMech + 1];
+  double state[kMech + 1][kMech + 1], command[kMech + 1], push[kMech + 1];
 };
 template <int kMech>
 ModeMotion<kMech> modeMotion(const Drive& drive, double inertia, double seconds);

@@ -125,7 +125,6 @@ std::string headerText(const RecordingHeader& h) {
     Written& drive = guard["drive"];
     for (const auto& [name, value] : kDrive) drive[name] = h.guard.drive.*value;
     drive["encoder_on_link"] = h.guard.drive.encoderOnLink;
-    drive["link_inertia"] = listOf(h.guard.linkInertia);
   }
   return json.dump(2, ' ', false, Written::error_handler_t::replace) + "\n";
 }
@@ -166,8 +165,6 @@ RecordingHeader parseHeader(const std::string& text, const std::string& file) {
     const Reading drive = guard.at("drive");
     for (const auto& [name, value] : kDrive) h.guard.drive.*value = drive.at(name).number();
     h.guard.drive.encoderOnLink = drive.at("encoder_on_link").flag();
-    h.guard.linkInertia.resize(h.joints);
-    drive.at("link_inertia").read(h.guard.linkInertia);
   }
   return h;
 }

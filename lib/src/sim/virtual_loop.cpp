@@ -14,7 +14,7 @@ namespace {
 
 GuardOptions guardOf(const Mechanism& plant, const Mechanism& model, const LoopSetup& setup) {
   GuardOptions guard = guardFor(plant, setup.period);
-  setDrive(model, guard);  // the drive as the model knows it
+  guard.drive = model.limits().drive;  // as the model knows it
   guard.on = setup.guarded;
   guard.force = setup.force;
   return guard;

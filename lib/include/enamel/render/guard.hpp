@@ -51,12 +51,11 @@ struct GuardOptions {
 
   JointVector rate;         ///< largest plausible rate of each joint, rad/s or m/s
   JointVector encoderStep;  ///< encoder step of each joint, rad or m
-  /// Transmission between motors and links. The energy account excludes the energy stored in rotors and cables.
+  /// Transmission between motors and links. Behind cables the energy account has only the work on the links.
   Drive drive;
-  JointVector linkInertia;  ///< of each link alone, without rotors, kg m^2 or kg; required with cables
-  int delay = 0;            ///< delay of the commands, ticks; used if the device does not report the torque
-  int longestGap = 4;       ///< longest time between two ticks or two samples, periods
-  int mostMissed = 10;      ///< largest number of missed ticks and samples; each tick forgets 1 % of them
+  int delay = 0;        ///< delay of the commands, ticks; used if the device does not report the torque
+  int longestGap = 4;   ///< longest time between two ticks or two samples, periods
+  int mostMissed = 10;  ///< largest number of missed ticks and samples; each tick forgets 1 % of them
 
   Mat6 damping = Mat6::Zero();  ///< the device's own mechanical damping of the TCP's twist, N s/m, N m s/rad
   double energy = 0.0;          ///< energy budget, J
@@ -87,9 +86,6 @@ GuardOptions guardFor(const Mechanism& device, double period);
 /// Throws Error if they limit the workspace. Realtime: no.
 GuardOptions toScene(const GuardOptions& ofDevice, const WorkspaceMap& map);
 
-/// Set drive and linkInertia to those of a device at home. Realtime: no.
-void setDrive(const Mechanism& device, GuardOptions& options);
-
 /// Record of one tick.
 struct GuardTick {
   double time = 0.0;                       ///< s
@@ -111,7 +107,7 @@ class Guard {
   /// - a vector does not have one number per joint;
   /// - a limit is negative or NaN, or a slew, rate, encoder step or softest wall is not positive;
   /// - a stop is below its limit, the delay is outside 0 to kMostGuardDelay, or longestGap is below 1;
-  /// - cables without inertias of rotors and links;
+  /// - cables without an inertia of the rotors, or one that exceeds the device's;
   /// - the period is outside 1e-5 to 0.1 s.
   ///
   /// Realtime: no.
@@ -157,18 +153,25 @@ class Guard {
 
  private:
   using Row = std::array<double, kMaxJoints>;
-  // Motor torque, cable stretch and stretch rate one period later, from their present values and from the command.
-  struct Transmission {
-    double kept[3][3], command[3];
-    double share;  // share of the torque left for rotor and link that reaches the link
+  // A mode of the links behind cables (lib/src/render/mode_table.hpp): angles of rotor and link relative to the last
+  // reading, and their rates. Then torque of the motor above gravity, and push of the hand on the link.
+  enum : int { kRotor, kRotorRate, kLink, kLinkRate, kMotor, kPush, kMotion };
+  using Motion = std::array<double, kMotion>;
+  struct Mode {
+    Row axis{};
+    double inertia = 0.0, variance = 0.0;  // of the link; of a reading minus its prediction
+    std::array<Motion, kMotion> kept{};    // effect of each state on the states a period later
+    Motion command{}, gain{};              // effect of the command; of a reading minus its prediction (Kalman filter)
   };
   static constexpr int kReportLags = kMostGuardDelay + 1;
   // Energy given to the tool, computed from one estimate of the acting torque.
   struct Account {
     double energy = 0.0;                     // J
-    double held = 0.0;                       // energy stored in rotors and cables, J
-    Row beyond{};                            // torque above gravity that reached the links before the last tick
-    Row lagged{}, stretch{}, stretchRate{};  // motor torque above gravity; cable stretch, rad or m, and its rate
+    Row beyond{};                            // torque above gravity before the last tick
+    std::array<Motion, kMaxJoints> modes{};  // behind cables: estimated from this torque and the readings
+    Row surprise{};                          // last readings of the modes minus their predictions
+    double misfit = 0.0;                     // mean square of its changes, over the variance that the model predicts
+    bool single = false;                     // the last sample came after one period
   };
   struct State {
     GuardReason fault = GuardReason::none;
@@ -211,8 +214,9 @@ class Guard {
   GuardReason judged(const Measurement& m, Status status, bool known, double elapsed, const TickFrame& frame) noexcept;
   void remember(const Measurement& m) noexcept;
   GuardReason moved(const Measurement& m, const Kinematics& k) noexcept;
-  void describeTransmission();
-  void reachLink(int joint, double elapsed, Account& account, double& torque, double& way) const noexcept;
+  void describeModes(const Mechanism& device);
+  double workOnLinks(const Row& torque, const Row& step, double elapsed, Account& account) const noexcept;
+  int read() const noexcept { return options_.drive.encoderOnLink ? kLink : kRotor; }  // the state that encoders read
   int unlikelyJoint(const JointVector& applied) const noexcept;
   void compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept;
   const Row& nearestCommand(const JointVector& applied) const noexcept;
@@ -230,10 +234,10 @@ class Guard {
   GuardOptions options_;
   int n_;
   bool damped_;
-  std::array<Transmission, kMaxJoints> transmission_{};  // of devices with cables
-  double lag_ = 0.0, mostHeld_ = 0.0;                    // lag of the motors, 1/s; upper bound of Account::held, J
-  JointVector most_;                                     // the motors' own limits, N m or N
-  Row weight_{};                                         // weight of a joint in a comparison of torques: 1 / most_^2
+  std::array<Mode, kMaxJoints> modes_;   // of devices with cables
+  double lag_ = 0.0, mostMisfit_ = 0.0;  // of the motors behind cables, 1/s; of a model that the readings do not refute
+  JointVector most_;                     // the motors' own limits, N m or N
+  Row weight_{};                         // weight of a joint in a comparison of torques: 1 / most_^2
   std::uint64_t ignored_ = 0;
   int ignoredJoint_ = -1;
   State state_;
