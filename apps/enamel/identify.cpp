@@ -127,7 +127,7 @@ void playPlan(const IdentifyOptionsOfCommand& options) {
   Recorder recorder(options.record, headerOf(options), haptics);
   ExcitationPlayer player(excitation, haptics, &recorder);
   HapticLoopOptions how;
-  how.period = opened.hasOwnClock ? std::max(1e-4, 0.25 * excitation.period) : excitation.period;
+  how.period = opened.poll;
   how.sink = &player;
   const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
   {

@@ -154,14 +154,8 @@ void readDevice(Reader& reader, DeviceState& device) noexcept {
           reader.skip();
       });
     } else if (key == "status") {
-      reader.object([&](std::string_view name) {
-        if (name == "calibrated")
-          reader.boolean(device.isCalibrated);
-        else if (name == "ready")
-          reader.boolean(device.isReady);
-        else
-          reader.skip();
-      });
+      reader.object(
+          [&](std::string_view name) { name == "calibrated" ? reader.boolean(device.isCalibrated) : reader.skip(); });
     } else {
       reader.skip();
     }

@@ -18,7 +18,7 @@ struct DeviceState {
   std::string_view id, type, basis;  // type and basis: empty, except in the first message
   Numbers position{}, velocity{};    // of the cursor
   bool hasPosition = false;          // all numbers of both are there
-  bool isCalibrated = true, isReady = true;
+  bool isCalibrated = true;
 };
 
 /// The devices of a message. Texts refer to the message.

@@ -134,6 +134,21 @@ PushSetup hardPush(int delay, std::uint32_t run) {
   return setup;
 }
 
+// Position control for `device` passes hard pushes. A spring without damping is stopped. push(renderer, delay, run).
+template <typename Push>
+void checkOnlySpringStops(const Mechanism& device, const Push& push) {
+  for (const int delay : {0, 1, 2})
+    for (int run = 0; run < test::count(10, 200); ++run) {
+      PositionControlRenderer servo(positionControlFor(device, 1e-3, delay, delay));
+      INFO("delay " << delay << ", run " << run);
+      CHECK(push(servo, delay, static_cast<std::uint32_t>(run)).status == Status::ok);
+    }
+  ImpedanceRenderer spring({20e3, 0.0});
+  const PushResult result = push(spring, 3, 0);
+  CHECK(result.status == Status::stopped);
+  CHECK(result.guard == GuardReason::energy);
+}
+
 }  // namespace
 
 // Cables of 300 N m/rad: one tick of the largest torque gives a rotor 24 mJ, but little of it reaches the tool.
@@ -146,16 +161,7 @@ TEST_CASE("behind soft cables position control is left alone, and a spring that 
     return runPush(std::make_unique<ImperfectPlant>(makeImperfectDevice(file, setup.seed, run)), *model, renderer,
                    setup, [](const TickRecord&, const VirtualLoop&) {});
   };
-  for (const int delay : {0, 1, 2})
-    for (int run = 0; run < test::count(10, 200); ++run) {
-      PositionControlRenderer servo(positionControlFor(*model, 1e-3, delay, delay));
-      INFO("delay " << delay << ", run " << run);
-      CHECK(push(servo, delay, static_cast<std::uint32_t>(run)).status == Status::ok);
-    }
-  ImpedanceRenderer spring({20e3, 0.0});
-  const PushResult result = push(spring, 3, 0);
-  CHECK(result.status == Status::stopped);
-  CHECK(result.guard == GuardReason::energy);
+  checkOnlySpringStops(*model, push);
 }
 
 TEST_CASE("where the device lacks the cables of its file, the guard counts as with a rigid transmission", "[hard]") {
@@ -166,16 +172,7 @@ TEST_CASE("where the device lacks the cables of its file, the guard counts as wi
     return runPush(std::make_unique<ClosedFormPlant>(*rigid), *model, renderer, setup,
                    [](const TickRecord&, const VirtualLoop&) {});
   };
-  for (const int delay : {0, 1, 2})
-    for (int run = 0; run < test::count(10, 200); ++run) {
-      PositionControlRenderer servo(positionControlFor(*rigid, 1e-3, delay, delay));
-      INFO("delay " << delay << ", run " << run);
-      CHECK(push(servo, delay, static_cast<std::uint32_t>(run)).status == Status::ok);
-    }
-  ImpedanceRenderer spring({20e3, 0.0});
-  const PushResult result = push(spring, 3, 0);
-  CHECK(result.status == Status::stopped);
-  CHECK(result.guard == GuardReason::energy);
+  checkOnlySpringStops(*rigid, push);
 }
 
 TEST_CASE("ordinary study runs pass untouched", "[hard]") {

@@ -79,7 +79,7 @@ TEST_CASE("a virtual device has the file's mechanism and encoders, begins at hom
   OpenedDevice opened = openDevice("virtual:" + kStylus);
   CHECK(opened.text == readFile(kStylus));
   CHECK(opened.mechanism->joints() == 3);
-  CHECK_FALSE(opened.hasOwnClock);
+  CHECK(opened.poll == 0.0);
   CHECK(opened.delay.high == 0);
   Measurement first, later;
   REQUIRE(opened.device->measure(first) == Status::ok);
@@ -102,7 +102,7 @@ TEST_CASE("a virtual device has the file's mechanism and encoders, begins at hom
 TEST_CASE("a served device is opened by URL", "[open_device]") {
   const Served served;
   OpenedDevice opened = openDevice(served.url(""));
-  CHECK(opened.hasOwnClock);
+  CHECK(opened.poll == 2.5e-4);
   CHECK(opened.delay.low == 1);
   CHECK(opened.delay.high == 2);
   CHECK(opened.file == kStylus);

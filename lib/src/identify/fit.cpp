@@ -441,6 +441,7 @@ IdentificationTraces Fit::traces() {
   const double density = 2.0 * piece.motion->period;  // of one-sided power, per mean square of a line
   IdentificationTraces traces;
   traces.period = piece.motion->period;
+  // The mean frequency of each band.
   traces.frequency = spectrum.bands(frequencies.cwiseSqrt().cast<std::complex<double>>());
   const Eigen::Index joints = base_.front().rows();
   traces.torque.resize(joints, piece.count);

@@ -270,25 +270,20 @@ class Checks {
   std::vector<EnamelTickOutput> expected_;  // of the path, set by answersPath()
 };
 
-struct Check {
-  const char* what;
-  std::string (Checks::*run)();
-};
-
 // The other checks need these to pass.
-constexpr Check kBasics[] = {
+constexpr Check<Checks> kBasics[] = {
     {"describes itself the same way every time", &Checks::describesItself},
     {"refuses calls out of order", &Checks::refusesWrongOrder},
     {"configures and activates", &Checks::configuresAndActivates},
 };
-constexpr Check kCalls[] = {
+constexpr Check<Checks> kCalls[] = {
     {"refuses unknown parameters and stays usable", &Checks::refusesUnknownParameters},
     {"refuses bad periods", &Checks::refusesBadPeriods},
     {"refuses double activation and configuration while active", &Checks::refusesDoubleActivation},
     {"is inactive after deactivate and starts again", &Checks::startsAgain},
     {"renders a path into a wall with finite torques within the limits", &Checks::answersPath},
 };
-constexpr Check kAnswers[] = {
+constexpr Check<Checks> kAnswers[] = {
     {"renders a soft surface with friction on a device that does not report the torque that acted",
      &Checks::answersSoftSurface},
     {"gives the same bits in another instance", &Checks::repeatsInAnotherInstance},
@@ -297,21 +292,8 @@ constexpr Check kAnswers[] = {
     {"rejects bad input with an error, a defined output and an unchanged state", &Checks::survivesBadInput},
     {"keeps the torque within the given limit", &Checks::keepsTorqueLimit},
 };
-constexpr Check kAllocation = {"allocates nothing in a tick", &Checks::allocatesNothing};
-constexpr Check kTime = {"time per step (reported only)", &Checks::takesTime};
-
-ConformanceResult resultOf(const Check& check, Checks& checks) {
-  using Verdict = ConformanceResult::Verdict;
-  try {
-    return {check.what, Verdict::passed, (checks.*check.run)()};
-  } catch (const Failure& failure) {
-    return {check.what, Verdict::failed, failure.reason};
-  } catch (const std::exception& error) {
-    return {check.what, Verdict::failed, std::string("an exception crossed the boundary: ") + error.what()};
-  } catch (...) {
-    return {check.what, Verdict::failed, "an exception crossed the boundary"};
-  }
-}
+constexpr Check<Checks> kAllocation = {"allocates nothing in a tick", &Checks::allocatesNothing};
+constexpr Check<Checks> kTime = {"time per step (reported only)", &Checks::takesTime};
 
 }  // namespace
 }  // namespace conformance
@@ -319,27 +301,14 @@ ConformanceResult resultOf(const Check& check, Checks& checks) {
 bool checkPlugin(const std::shared_ptr<const PluginLibrary>& library, const PluginSetup& setup,
                  const ConformanceOptions& options, const std::function<void(const ConformanceResult&)>& report) {
   using namespace conformance;
-  using Verdict = ConformanceResult::Verdict;
   const auto mechanism =
       makeMechanism(setup.deviceText.empty() ? loadDevice(setup.devicePath) : parseDevice(setup.deviceText, "device"));
   Checks checks(library, setup, *mechanism, options);
-  bool allPassed = true;
-  const auto run = [&](const Check& check) {
-    const ConformanceResult result = resultOf(check, checks);
-    allPassed = allPassed && result.verdict != Verdict::failed;
-    report(result);
-  };
-  for (const Check& check : kBasics) run(check);
-  if (!allPassed) return false;
-  for (const Check& check : kCalls) run(check);
-  if (!allPassed) return false;
-  for (const Check& check : kAnswers) run(check);
-  if (options.allocationCount)
-    run(kAllocation);
-  else
-    report({kAllocation.what, Verdict::notChecked, "allocations are not counted in this program"});
-  run(kTime);
-  return allPassed;
+  Suite<Checks> suite(checks, report);
+  if (!suite.run(kBasics) || !suite.run(kCalls)) return false;
+  suite.run(kAnswers);
+  suite.runCounted(kAllocation, static_cast<bool>(options.allocationCount));
+  return suite.run(kTime);
 }
 
 }  // namespace enamel

@@ -10,19 +10,18 @@
 
 #include "core/message.hpp"
 #include "enamel/device/device_file.hpp"
-#include "plugin/instance.hpp"
+#include "plugin/checks.hpp"
 #include "plugin/own_device.hpp"
 
 namespace enamel {
 namespace driver_conformance {
 namespace {
 
+using conformance::Check;
 using conformance::demand;
-using conformance::Failure;
 using conformance::nameOf;
 
 using Clock = std::chrono::steady_clock;
-using Verdict = ConformanceResult::Verdict;
 
 constexpr double kFirstSample = 1.0;    // s, longest wait after open()
 constexpr double kLargestSpeed = 20.0;  // m/s or rad/s: more is a wrong unit
@@ -258,37 +257,21 @@ class DriverChecks {
   std::shared_ptr<const Mechanism> mechanism_;
 };
 
-struct DriverCheck {
-  const char* what;
-  std::string (DriverChecks::*run)();
-};
-
-constexpr DriverCheck kFirst[] = {
+constexpr Check<DriverChecks> kFirst[] = {
     {"describes itself the same way every time", &DriverChecks::describesItself},
     {"lists its devices, or gives the reason why it finds no device", &DriverChecks::listsDevices},
     {"refuses an unknown address, with a reason", &DriverChecks::refusesUnknownAddress},
     {"connects, and is inactive before open", &DriverChecks::connects},
     {"has a valid device file", &DriverChecks::hasDeviceFile},
 };
-constexpr DriverCheck kOpen[] = {
+constexpr Check<DriverChecks> kOpen[] = {
     {"measures finite samples in reach, with times that advance like the clock", &DriverChecks::measuresAtRest},
     {"refuses efforts that are not finite or for other joints", &DriverChecks::refusesBadEfforts},
     {"is inactive after close, and opens again", &DriverChecks::opensAgain},
 };
-constexpr DriverCheck kNoAllocation = {"allocates nothing in measure and actuate", &DriverChecks::allocatesNothing};
-constexpr DriverCheck kDuration = {"time of measure and actuate (reported only)", &DriverChecks::takesTime};
-
-ConformanceResult resultOf(const DriverCheck& check, DriverChecks& checks) {
-  try {
-    return {check.what, Verdict::passed, (checks.*check.run)()};
-  } catch (const Failure& failure) {
-    return {check.what, Verdict::failed, failure.reason};
-  } catch (const std::exception& error) {
-    return {check.what, Verdict::failed, error.what()};
-  } catch (...) {
-    return {check.what, Verdict::failed, "an exception crossed the boundary"};
-  }
-}
+constexpr Check<DriverChecks> kNoAllocation = {"allocates nothing in measure and actuate",
+                                               &DriverChecks::allocatesNothing};
+constexpr Check<DriverChecks> kDuration = {"time of measure and actuate (reported only)", &DriverChecks::takesTime};
 
 }  // namespace
 }  // namespace driver_conformance
@@ -297,21 +280,11 @@ bool checkDriver(const std::shared_ptr<const DriverLibrary>& library, const Driv
                  const std::function<void(const ConformanceResult&)>& report) {
   using namespace driver_conformance;
   DriverChecks checks(library, options);
-  bool allPassed = true;
-  const auto run = [&](const DriverCheck& check) {
-    const ConformanceResult result = resultOf(check, checks);
-    allPassed = allPassed && result.verdict != Verdict::failed;
-    report(result);
-  };
-  for (const DriverCheck& check : kFirst) run(check);
-  if (!allPassed) return false;
-  for (const DriverCheck& check : kOpen) run(check);
-  if (options.allocationCount)
-    run(kNoAllocation);
-  else
-    report({kNoAllocation.what, Verdict::notChecked, "allocations are not counted in this program"});
-  run(kDuration);
-  return allPassed;
+  conformance::Suite<DriverChecks> suite(checks, report);
+  if (!suite.run(kFirst)) return false;
+  suite.run(kOpen);
+  suite.runCounted(kNoAllocation, static_cast<bool>(options.allocationCount));
+  return suite.run(kDuration);
 }
 
 }  // namespace enamel

@@ -7,12 +7,6 @@
 
 namespace enamel::conformance {
 
-std::string nameOf(std::int32_t result) {
-  constexpr const char* names[] = {"ok",           "not finite", "unreachable", "singular",    "not converged",
-                                   "out of range", "stale",      "inactive",    "wrong order", "bad configuration"};
-  return result >= 0 && result < 10 ? names[result] : "unknown code " + std::to_string(result);
-}
-
 void requireDefined(const EnamelTickOutput& output, const EnamelTickInput& input, bool failed,
                     const std::string& when) {
   demand(output.answer == ENAMEL_TORQUE || output.answer == ENAMEL_WRENCH,

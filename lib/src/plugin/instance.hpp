@@ -6,21 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "checks.hpp"
 #include "convert.hpp"
 
 namespace enamel::conformance {
-
-/// Thrown by a failing check.
-struct Failure {
-  std::string reason;
-};
-
-inline void demand(bool condition, const std::string& reason) {
-  if (!condition) throw Failure{reason};
-}
-
-/// Return the name of a result of the C interface.
-std::string nameOf(std::int32_t result);
 
 class Instance {
  public:

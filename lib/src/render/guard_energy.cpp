@@ -113,9 +113,8 @@ double Guard::energy() const noexcept {
 }
 
 // Return the work of the cables on the links since the last sample, J. Kalman filters of the modes estimate the motion
-// of rotors and links from the torques above gravity and the steps of the readings. A push of the hand
-// that changes fast shifts the errors of prediction. So only the changes of these errors show whether the model is
-// right.
+// of rotors and links from the torques above gravity and the steps of the readings. A push of the hand that changes
+// fast shifts the errors of prediction. So only the changes of these errors show whether the model is right.
 double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Account& account) const noexcept {
   const int ticks = std::clamp(static_cast<int>(std::lround(elapsed / options_.period)), 1, options_.longestGap);
   const double perTime = 1.0 / (ticks * options_.period), perLag = perTime / lag_,

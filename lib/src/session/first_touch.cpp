@@ -42,33 +42,6 @@ std::string text(const char* format, double a, double b = 0.0, double c = 0.0) {
   return line.data();
 }
 
-// Pushes along one axis for a while, after a pause in which the device is at rest.
-class PushRenderer final : public Renderer {
- public:
-  Vec3 force = Vec3::Zero();  // N
-  double begin = 0.0;         // s, after the first tick
-
- private:
-  void prepare(double) override {}
-  Status render(const TickFrame& frame, TickOutput& output) noexcept override {
-    if (state_.first < 0.0) state_.first = frame.time;
-    const double time = frame.time - state_.first;
-    Vec6 wrench = Vec6::Zero();
-    if (time >= begin && time < begin + kPush) wrench.head<3>() = force;
-    output.torque = staticTorque(frame.kinematics, wrench);
-    output.normalForce = wrench.norm();
-    output.saturated = saturate(output.torque, frame.kinematics.gravity, frame.maxTorque);
-    output.mode = RenderMode::free;
-    return Status::ok;
-  }
-  void resetState() noexcept override { state_.first = -1.0; }
-  StateBlock stateBlock() noexcept override { return {&state_, sizeof state_}; }
-
-  struct {
-    double first = -1.0;
-  } state_;
-};
-
 struct Sample {
   double time = 0.0;  // s, of the measurement
   Vec3 position = Vec3::Zero(), force = Vec3::Zero();
@@ -76,10 +49,19 @@ struct Sample {
   std::uint32_t buttons = 0;
 };
 
-// Keeps every tick, and passes it on to a recorder.
+// Keeps every tick, and passes it on to a recorder. Pushes along an axis for kPush, after a pause at rest.
 class Log final : public TickSink {
  public:
-  explicit Log(std::size_t ticks) { samples.reserve(ticks + 1000); }
+  Log(std::size_t ticks, HapticTick& haptics, const Vec3& push) : haptics_(haptics), push_(push) {
+    samples.reserve(ticks + 1000);
+  }
+  void before(Measurement& measurement) noexcept override {
+    if (first_ < 0.0) first_ = measurement.time;
+    const double time = measurement.time - first_;
+    Vec6 wrench = Vec6::Zero();
+    if (time >= kAfter && time < kAfter + kPush) wrench.head<3>() = push_;
+    haptics_.setEffect(wrench);
+  }
   void tick(const LoopTick& tick, const HapticTick& haptics) noexcept override {
     if (recorder != nullptr) recorder->tick(tick, haptics);
     if (samples.size() == samples.capacity()) return;
@@ -97,6 +79,11 @@ class Log final : public TickSink {
   Recorder* recorder = nullptr;
   GuardReason fault = GuardReason::none;
   int contact = 0;
+
+ private:
+  HapticTick& haptics_;
+  Vec3 push_;            // N
+  double first_ = -1.0;  // s, of the first tick; negative: none yet
 };
 
 // The steps of one trial.
@@ -110,8 +97,7 @@ class Trial {
 
   bool rest() {
     if (!confirm("Lay the handle down or hold it still. No force acts.")) return false;
-    PushRenderer none;
-    const Log log = run(none, Scene(), kRest);
+    const Log log = runFree(kRest);
     const auto fresh = static_cast<double>(
         std::count_if(log.samples.begin(), log.samples.end(), [](const Sample& s) { return s.isNew; }));
     const auto ticks = static_cast<double>(log.samples.size());
@@ -134,8 +120,7 @@ class Trial {
       if (!confirm(std::string("Confirm, then move the handle ") + kDirections[axis] + " by about 5 cm within " +
                    formatNumber(options_.moveTime) + " s, and hold it there. No force acts."))
         return false;
-      PushRenderer none;
-      const Log log = run(none, Scene(), options_.moveTime);
+      const Log log = runFree(options_.moveTime);
       const Vec3 way = log.samples.back().position - log.samples.front().position;
       std::uint32_t buttons = 0;
       for (const Sample& s : log.samples) buttons |= s.buttons;
@@ -156,10 +141,7 @@ class Trial {
         if (!confirm("Hold the handle loosely in the middle. A force of " + formatNumber(force) + " N acts " +
                      kDirections[axis] + " for 60 ms."))
           return false;
-        PushRenderer renderer;
-        renderer.force[axis] = force;
-        renderer.begin = kAfter;
-        judgePush(run(renderer, Scene(), 2.0 * kAfter + kPush), force, axis);
+        judgePush(runFree(2.0 * kAfter + kPush, force * Vec3::Unit(axis)), force, axis);
       }
     return true;
   }
@@ -184,8 +166,14 @@ class Trial {
     return false;
   }
 
+  // Run the loop without a wall.
+  Log runFree(double duration, const Vec3& push = Vec3::Zero()) {
+    ImpedanceRenderer balance({kSoftWall, 0.0});  // touches nothing: balances gravity
+    return run(balance, Scene(), duration, push, nullptr);
+  }
+
   // Run the loop for `duration`, then let it ramp out.
-  Log run(Renderer& renderer, const Scene& scene, double duration, const RecordingHeader* header = nullptr) {
+  Log run(Renderer& renderer, const Scene& scene, double duration, const Vec3& push, const RecordingHeader* header) {
     const double period = 1.0 / options_.rate;
     GuardOptions guard = guardFor(*opened_.mechanism, period);
     guard.force = std::min(guard.force, options_.largestForce);
@@ -194,7 +182,7 @@ class Trial {
     HapticTick haptics(*opened_.mechanism, scene, Tool(), renderer, guard);
     std::unique_ptr<Recorder> recorder;
     if (header != nullptr) recorder = std::make_unique<Recorder>(options_.recording, *header, haptics);
-    Log log(static_cast<std::size_t>(duration * options_.rate));
+    Log log(static_cast<std::size_t>(duration * options_.rate), haptics, push);
     log.recorder = recorder.get();
     HapticLoopOptions how;
     how.sink = &log;
@@ -205,7 +193,7 @@ class Trial {
       while (body.step()) {
       }
     } else {
-      if (opened_.hasOwnClock) how.period = std::max(1e-4, 0.25 * period);
+      how.period = opened_.poll;
       const HapticLoop loop(*opened_.device, haptics, how);
       std::this_thread::sleep_for(std::chrono::duration<double>(duration));
     }
@@ -322,7 +310,7 @@ class Trial {
     header.deviceFile = opened_.file.empty() ? opened_.mechanism->name() : opened_.file;
     header.deviceText = opened_.text;
     nameRenderer(name, "", parameters, scene, header);
-    const Log log = run(renderer, scene, kWall, recording.empty() ? nullptr : &header);
+    const Log log = run(renderer, scene, kWall, Vec3::Zero(), recording.empty() ? nullptr : &header);
     requireNoFault(log);
     double deepest = 0.0, largest = 0.0;
     for (const Sample& s : log.samples) {

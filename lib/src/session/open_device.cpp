@@ -16,7 +16,8 @@
 namespace enamel {
 namespace {
 
-constexpr double kRateCutoff = 100.0;  // Hz
+constexpr double kRateCutoff = 100.0;   // Hz
+constexpr double kShortestPoll = 1e-4;  // s
 
 [[noreturn]] void refuse(const DeviceUrl& url, const std::string& why) {
   throw Error("device URL \"" + url.text + "\": " + why);
@@ -87,7 +88,10 @@ void awaitServer(HapticDevice& device) {
   }
 }
 
-OpenedDevice openUdp(const DeviceUrl& url, const OpenDeviceOptions&) {
+// How often to measure a device with its own clock, s.
+double pollOf(const OpenDeviceOptions& options) { return std::max(kShortestPoll, 0.25 * options.period); }
+
+OpenedDevice openUdp(const DeviceUrl& url, const OpenDeviceOptions& options) {
   requireOptions(url, {"device", "key"});
   const std::size_t colon = url.address.rfind(':');
   const std::string host = url.address.substr(0, colon);
@@ -100,7 +104,7 @@ OpenedDevice openUdp(const DeviceUrl& url, const OpenDeviceOptions&) {
   }
   OpenedDevice opened = describe(optionOf(url, "device"));
   opened.delay = {1, 2};  // a command acts one or two ticks after its measurement
-  opened.hasOwnClock = true;
+  opened.poll = pollOf(options);
   LinkOptions link;
   link.joints = opened.mechanism->joints();
   if (const std::string key = optionOf(url, "key"); !key.empty()) link.key = readKey(key);
@@ -150,7 +154,7 @@ OpenedDevice openWithDriver(DeviceUrl url, const OpenDeviceOptions& options) {
                 std::to_string(driver.mechanism->joints()));
   }
   opened.delay = {driver.delayLow, driver.delayHigh};
-  opened.hasOwnClock = driver.hasOwnClock;
+  if (driver.hasOwnClock) opened.poll = pollOf(options);
   opened.device = std::move(driver.device);
   return opened;
 }

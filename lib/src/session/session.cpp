@@ -26,7 +26,6 @@ using Lock = std::unique_lock<std::mutex>;
 namespace {
 
 constexpr double kMostCentring = 0.5;
-constexpr double kShortestPoll = 1e-4;  // s
 
 // The first obstacles of a session: those of its scene file.
 std::shared_ptr<Group> groupOf(const SceneFile& file) {
@@ -289,8 +288,7 @@ void Session::start(HapticDevice& haptic) {
   HapticLoopOptions options;
   options.sink = impl_.get();
   options.period = impl_->def.poll;
-  if (options.period == 0.0 && &haptic == impl_->opened.device.get() && impl_->opened.hasOwnClock)
-    options.period = std::max(kShortestPoll, 0.25 * impl_->period);
+  if (options.period == 0.0 && &haptic == impl_->opened.device.get()) options.period = impl_->opened.poll;
   options.priority = impl_->def.priority;
   options.lockMemory = impl_->def.lockMemory;
   impl_->enterLoop(Impl::Loop::threaded);

@@ -280,9 +280,9 @@ ENAMEL_API void enamel_session_destroy(EnamelSession* session);
 ENAMEL_API int32_t enamel_message(EnamelSession* session, EnamelMessage message);
 
 /* Run a loop in a thread of its own: with the device whose URL is EnamelSessionDef.device, with an own device, or with
- * a simulated one that `hand` holds. `enamel devices` lists the forms of URLs. `hand` gives the
- * wrench on the tool at the TCP (N, N m) in the device's frame, on the loop's thread. NULL: it pushes along -z with
- * 1 N, to 20 mm behind the start, and holds the tool across. `device->user` and `user` must live until enamel_stop().
+ * a simulated one that `hand` holds. `enamel devices` lists the forms of URLs. `hand` gives the wrench on the tool at
+ * the TCP (N, N m) in the device's frame, on the loop's thread. NULL: it pushes along -z with 1 N, to 20 mm behind the
+ * start, and holds the tool across. `device->user` and `user` must live until enamel_stop().
  * hand and before_tick must not call functions of the session, except enamel_tick_...(). A device whose measure does
  * not return blocks start and stop. enamel_reset() does not bring a simulated device back that has left its workspace:
  * stop and start. Owner. */

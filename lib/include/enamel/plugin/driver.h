@@ -54,7 +54,7 @@ typedef struct EnamelMeasurement {
  *   continue, and the guard ramps out; ENAMEL_INACTIVE also before open and after close.
  * actuate: tick. Send the efforts (N m or N) of `joints` joints. ENAMEL_NOT_FINITE and ENAMEL_OUT_OF_RANGE: nothing was
  *   sent, because a number is not finite, or the number of joints is wrong. Larger efforts than those of the device
- * file are cut. ENAMEL_STALE: the device could not take the command. */
+ *   file are cut. ENAMEL_STALE: the device could not take the command. */
 typedef struct EnamelDevice {
   uint32_t size;
   uint32_t reserved;

@@ -27,8 +27,7 @@ struct FirstTouchResult {
 /// - rest: rate, lost samples, time stamps and noise, without force;
 /// - the person moves the handle to the right, up, and to the user: axes, signs and unit of the positions;
 /// - pushes of 0.1 N, 0.5 N and the largest force along each axis, 60 ms long: axes, signs and unit of the forces,
-/// apparent
-///   mass, delay;
+///   apparent mass, delay;
 /// - a wall of 300 N/m, then position control, in the middle of the workspace.
 ///
 /// Pushes are compared with x'' = (F - b x') / m, delayed; b is the damping of the hand. The mass must be within a

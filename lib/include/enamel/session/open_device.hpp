@@ -47,8 +47,8 @@ struct OpenedDevice {
   std::string file;  ///< path of its device file; empty: the file is built in
   std::string text;  ///< content of its device file (TOML)
   std::shared_ptr<const Mechanism> mechanism;
-  Delay delay;               ///< of its commands, ticks: for the renderer
-  bool hasOwnClock = false;  ///< measure it more often than once a tick: HapticLoopOptions::period
+  Delay delay;        ///< of its commands, ticks: for the renderer
+  double poll = 0.0;  ///< s, for HapticLoopOptions::period: four times a tick if the device has its own clock, else 0
   std::unique_ptr<HapticDevice> device;
 };
 
