@@ -16,6 +16,7 @@ using namespace kernel;
 constexpr int kMostNewtonSteps = 64;
 constexpr int kPlainAdvances = 16;
 constexpr double kMostWindows = 1024.0;  // on a path as long as the mesh
+constexpr double kFirstWindow = 0x1p-6;  // share of a whole window
 constexpr int kPickPieces = 32;
 constexpr int kMostBounds = 8;
 constexpr double kFarSizes = 8.0;
@@ -137,11 +138,8 @@ struct CapsuleSweep {
 // Least time until a piece of the axis touches the triangle. The plane across their shortest line separates them. The
 // triangle rests and the ends move straight. So the first touch cannot come before an end has covered its height over
 // that plane.
-double waitOfPiece(const CapsuleSweep& s, const Triangle& triangle, double time, double first, double last) {
+double waitOfPiece(const CapsuleSweep& s, const Segment& piece, const SegmentPoint& near, double first, double last) {
   const auto on = [](const Vec3& a, const Vec3& b, double t) { return Vec3(a + t * (b - a)); };
-  const Segment axis = s.at(time);
-  const Segment piece{on(axis.a, axis.b, first), on(axis.a, axis.b, last)};
-  const SegmentPoint near = nearestOn(triangle, piece);
   const double gap = near.distance - s.radius;
   if (!(gap > 0.0) || !(near.distance > 1e-9 * s.data->size)) return gap > 0.0 ? gap / s.speed : 0.0;
   const Vec3 normal = (on(piece.a, piece.b, near.parameter) - near.point) / near.distance;
@@ -156,10 +154,13 @@ double waitOfPiece(const CapsuleSweep& s, const Triangle& triangle, double time,
 // grow with their distance from it.
 double waitOfAxis(const CapsuleSweep& s, const Triangle& triangle, double time, double nearest) {
   double wait = kNoLimit, inner = 0x1p-26;
+  const Segment axis = s.at(time);
   const auto consider = [&](double first, double last) {
     first = std::max(first, 0.0);
     last = std::min(last, 1.0);
-    if (first < last) wait = std::min(wait, waitOfPiece(s, triangle, time, first, last));
+    if (!(first < last)) return;
+    const Segment piece{axis.a + first * (axis.b - axis.a), axis.a + last * (axis.b - axis.a)};
+    wait = std::min(wait, waitOfPiece(s, piece, nearestOn(triangle, piece), first, last));
   };
   consider(nearest - inner, nearest + inner);
   for (; inner < 1.0; inner *= 4.0) {
@@ -178,8 +179,8 @@ double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
     const Segment now = s.at(time);
     const SegmentPoint near = nearestOn(triangle, now);
     if (near.distance - s.radius > s.tolerance) {
-      const double wait = step < kPlainAdvances ? waitOfPiece(s, triangle, time, 0.0, 1.0)
-                                                : waitOfAxis(s, triangle, time, near.parameter);
+      const double wait =
+          step < kPlainAdvances ? waitOfPiece(s, now, near, 0.0, 1.0) : waitOfAxis(s, triangle, time, near.parameter);
       if (!(time + wait <= latest)) return reach;
       if (wait > 1e-15 && step + 1 < s.advances) {
         time += wait;
@@ -309,11 +310,15 @@ SweepHit kernel::sweepCapsule(const MeshModel& model, const Segment& from, const
       s.start += gap / s.speed;
       continue;
     }
-    s.end = std::min(1.0, s.start + shortest / s.speed);
-    const double reach = radius + s.speed * (s.end - s.start) + s.tolerance;
-    loops().visitSegment(s.data->view, now.a.data(), now.b.data(), reach, &sweepTriangleByCapsule, &s);
-    if (s.best.hit || s.end >= 1.0) return s.best;
-    s.start = s.end;
+    // Often the surface is met at once. A short first window then has few triangles; each further one doubles.
+    for (double window = kFirstWindow * shortest; window <= shortest; window *= 2.0) {
+      const Segment first = s.at(s.start);
+      s.end = std::min(1.0, s.start + window / s.speed);
+      const double reach = radius + s.speed * (s.end - s.start) + s.tolerance;
+      loops().visitSegment(s.data->view, first.a.data(), first.b.data(), reach, &sweepTriangleByCapsule, &s);
+      if (s.best.hit || s.end >= 1.0) return s.best;
+      s.start = s.end;
+    }
   }
   return s.best;
 }

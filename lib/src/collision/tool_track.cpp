@@ -83,6 +83,18 @@ ShapePoint nearestOf(const Analytic& shape, const Vec3& p, PartCache*, int, bool
   return signedDistance(shape, p);
 }
 
+// Lower bound of the distance of the goal by what the search for contacts found in an earlier tick. Each place of that
+// axis had a ball without surface around it. The axis and the goal are both in these balls, so the way is free.
+double knownClearance(const MeshModel& mesh, const Segment& axis, const Segment& goal, const PartCache* cache) noexcept {
+  if (cache == nullptr || cache->revision != Inside::of(mesh).view.revision) return -1.0;
+  return lengthOf(cache->axis, axis) < cache->clear ? cache->clear - lengthOf(cache->axis, goal) : -1.0;
+}
+
+template <typename ShapeType>
+double knownClearance(const ShapeType&, const Segment&, const Segment&, const PartCache*) noexcept {
+  return -1.0;
+}
+
 // Find the axis outside the surface when it is first seen. A point on the surface is placed just before it.
 template <typename ShapeType>
 bool findOpen(const ShapeType& shape, const Segment& goal, PartCache* cache, bool isSheet, Segment& axis) noexcept {
@@ -144,6 +156,7 @@ PartTrack::State followOn(const ShapeType& shape, const Obstacle& obstacle, cons
     return State::open;
   };
   if (move < track.clear) return arrive(track.clear - move);
+  if (const double clear = knownClearance(shape, track.axis, goal, cache); clear > 0.0) return arrive(clear);
   if (const double clear = clearOf(shape, goal, cache, move); move < clear) return arrive(clear);
 
   // Move until a triangle is in the way, then along it. If the way along it leaves a convex surface, move down again.
