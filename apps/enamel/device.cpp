@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <numeric>
 #include <thread>
 
 #include "commands.hpp"
@@ -19,6 +20,7 @@
 #include "enamel/session/open_device.hpp"
 #include "enamel/session/session.hpp"
 #include "enamel/sim/hand.hpp"
+#include "enamel/sim/simulated_device.hpp"
 #include "program/interrupt.hpp"
 #include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
@@ -27,7 +29,7 @@ namespace enamel::app {
 namespace {
 
 struct DeviceOptions {
-  bool overwrite = false;
+  bool overwrite = false, spin = false;
   std::string serve, connect, firstTouch, output = "first-touch", scene, key, record, renderer = kPositionControl;
   ServeOptions server;
   double rate_Hz = 1000.0, duration = 0.0, force = kUnlimited;
@@ -42,14 +44,17 @@ void wait(double duration) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 
+constexpr const char* kHow = " (lib/docs/device.md, \"Settings of the system\")";
+
 void print(const char* name, const DurationHistogram& h) {
   fmt::print("{:<28} p50 {:>8.1f}  p99 {:>8.1f}  p99.9 {:>8.1f}  max {:>8.1f} us  ({})\n", name, 1e6 * h.quantile(0.5),
              1e6 * h.quantile(0.99), 1e6 * h.quantile(0.999), 1e6 * h.largest(), h.count());
 }
 
 void print(const PeriodicTiming& timing) {
-  fmt::print("periods {}, missed {}, scheduling {}\n", timing.periods.load(), timing.missed.load(),
-             timing.realtime.load() ? "real-time" : "normal: the system refused the real-time class");
+  fmt::print(
+      "periods {}, missed {}, scheduling {}\n", timing.periods.load(), timing.missed.load(),
+      timing.realtime.load() ? "real-time" : "normal: the system refused the real-time class" + std::string(kHow));
   print("wake-up error", timing.wakeUp);
   print("compute time of a period", timing.compute);
 }
@@ -72,6 +77,17 @@ WrenchFunction scriptedHand() {
     const double z = 0.005 - 0.0125 * (1.0 - std::cos(turn)), speed = -0.0125 * M_PI * std::sin(turn);
     Vec6 wrench = guidingWrench(pose, twist, Pose{}, Vec3::UnitZ());
     wrench[2] -= grip.stiffness * (pose.position.z() - z) + grip.damping * (twist[2] - speed);
+    return wrench;
+  };
+}
+
+// A hand that presses with 1 N and wanders over 8 x 8 mm, so that a bur always finds new material.
+WrenchFunction drillingHand(const Pose& start) {
+  return [start, press = pressingHand(start)](double time, const Pose& pose, const Vec6& twist) {
+    constexpr double kAside = 4e-3, kTurn = 0.9, kOtherTurn = 0.57;  // m, rad/s
+    Vec6 wrench = press(time, pose, twist);
+    wrench[0] += kGuideGrip.stiffness * kAside * std::sin(kTurn * time);
+    wrench[1] += kGuideGrip.stiffness * kAside * std::sin(kOtherTurn * time);
     return wrench;
   };
 }
@@ -138,11 +154,16 @@ void connect(const DeviceOptions& options) {
     removeOld(options.record, options.overwrite);
     session.record(options.record);
   }
+  if (options.spin && session.haptics().drill() == nullptr) throw Error(options.scene + ": --spin needs a table [bur]");
+  session.spin(options.spin);
   const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
-  session.startOpened();
+  if (options.spin && parseDeviceUrl(options.connect).scheme == kVirtualScheme)
+    session.start(makeVirtualDevice(session, drillingHand(session.start())));
+  else
+    session.startOpened();
   const HapticLoop& loop = *session.loop();
   fmt::print("{} at {}: {}, memory {}\n", session.mechanism().name(), options.connect, options.renderer,
-             loop.memoryLocked() ? "locked" : "not locked: the system refused");
+             loop.memoryLocked() ? "locked" : "not locked: the system refused" + std::string(kHow));
   std::fflush(stdout);
   wait(options.duration == 0.0 ? 10.0 : options.duration);
   const GuardReason fault = session.snapshot().fault;
@@ -159,6 +180,10 @@ void connect(const DeviceOptions& options) {
   }
   tally.count(session.haptics().frame());
   tally.print();
+  if (options.spin) {
+    const RemovedVolume removed = session.snapshot().removed;
+    fmt::print("removed {:.3f} mm^3\n", 1e9 * std::accumulate(removed.begin(), removed.end(), 0.0));
+  }
   if (const Guard& seen = session.haptics().guard(); seen.ignoredReports() > 0)
     fmt::print("reports of the torque that acted: {} ignored; those of joint {} do not follow the commands\n",
                seen.ignoredReports(), seen.ignoredJoint());
@@ -244,7 +269,12 @@ void addDevice(CLI::App& app) {
   command->add_option("--renderer", options->renderer, "renderer, as in enamel push")
       ->capture_default_str()
       ->needs(connect);
-  command->add_option("--scene", options->scene, "scene file (TOML); default: the wall z = 0")->needs(connect);
+  CLI::Option* scene =
+      command->add_option("--scene", options->scene, "scene file (TOML); default: the wall z = 0")->needs(connect);
+  command
+      ->add_flag("--spin", options->spin,
+                 "run the bur of the scene; a virtual device is then held by a hand that wanders and presses with 1 N")
+      ->needs(scene);
   command->add_option("--record", options->record, "file for the recording, for enamel replay and enamel export")
       ->needs(connect);
   command

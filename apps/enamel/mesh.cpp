@@ -31,7 +31,8 @@ struct MeshOptions {
   double deviation = 20.0;  // um
   double base = 0.0;        // mm
   bool solid = false, overwrite = false;
-  double cell = 0.1;  // mm
+  double cell = 0.1;       // mm
+  double triangles = 0.0;  // of a generated mesh; 0: those of the shipped one
 };
 
 void printLine(const char* name, const std::string& value) { fmt::print("{:<24} {}\n", name, value); }
@@ -185,6 +186,16 @@ void makeSolid(const MeshModel& model, const MeshOptions& options) {
   printLine("surface", fmt::format("{} triangles: {}", surface.triangles.size(), options.output));
 }
 
+TriangleMesh generated(const MeshOptions& options) {
+  if (options.generate == "molar")
+    return makeMolar(options.triangles == 0 ? 6
+                                            : static_cast<int>(std::lround(0.5 * std::log2(options.triangles / 8.0))));
+  if (options.triangles == 0) return makeJaw(360, 110);
+  constexpr double kLength = 3.2;  // rings for each point of a ring
+  const double around = std::sqrt(options.triangles / (2.0 * kLength));
+  return makeJaw(static_cast<int>(std::lround(kLength * around)), static_cast<int>(std::lround(around)));
+}
+
 void run(const MeshOptions& options) {
   checkOutput(options.output);
   checkOutput(options.prepare);
@@ -204,7 +215,7 @@ void run(const MeshOptions& options) {
     return;
   }
   if (options.output.empty()) throw Error("--generate needs --output");
-  write(options.generate == "molar" ? makeMolar(6) : makeJaw(360, 110), options.output);
+  write(generated(options), options.output);
 }
 
 }  // namespace
@@ -219,6 +230,12 @@ void addMesh(CLI::App& app) {
       ->default_str("mm");
   auto* generate = command->add_option("--generate", options->generate, "generate a mesh instead (PLY or STL in mm)")
                        ->check(CLI::IsMember({"molar", "jaw"}));
+  command
+      ->add_option("--triangles", options->triangles,
+                   "about so many triangles; default: those of the shipped mesh. The number of a molar is 8 times a "
+                   "power of 4")
+      ->check(CLI::Range(128.0, 1e7))
+      ->needs(generate);
   auto* output = command->add_option("--output", options->output, "file for the generated mesh or the solid's surface");
   auto* prepare =
       command
