@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "core/message.hpp"
@@ -32,6 +33,7 @@ int cellAt(int x, int y, int z) { return (z * kBrickCells + y) * kBrickCells + x
 
 // Share of a cell's volume below a plane at this distance from its centre.
 double shareOf(float value) { return std::clamp(0.5 - static_cast<double>(value), 0.0, 1.0); }
+Row shareOf(const Row& values) { return (0.5f - values).max(0.0f).min(1.0f); }
 
 // Visit the samples of a brick along a path on which neighbours follow each other.
 template <typename Visit>
@@ -182,12 +184,16 @@ RemovedVolume Solid::volume() const {
 
 std::array<std::uint64_t, kBrickCells> kernel::surfaceCells(const BrickSamples& samples) noexcept {
   std::array<std::uint64_t, kBrickCells> cells;
+  std::array<std::uint8_t, std::tuple_size<BrickSamples>::value> isNegative;
+  for (std::size_t i = 0; i < isNegative.size(); ++i) isNegative[i] = samples[i] < 0.0f ? 1 : 0;
   std::uint32_t negative[kSlice];  // bit x: of the sample in that row
   for (int row = 0; row < kSlice; ++row) {
-    std::uint32_t bits = 0;
-    for (int x = 0; x < kBrickSamples; ++x)
-      bits |= static_cast<std::uint32_t>(samples[row * kBrickSamples + x] < 0.0f) << x;
-    negative[row] = bits;
+    const std::uint8_t* first = isNegative.data() + row * kBrickSamples;
+    std::uint64_t bytes;
+    std::memcpy(&bytes, first, sizeof(bytes));
+    // The factor moves the lowest bit of byte x to bit 56 + x.
+    negative[row] = static_cast<std::uint32_t>(bytes * 0x0102040810204080u >> 56) |
+                    static_cast<std::uint32_t>(first[kBrickCells]) << kBrickCells;
   }
   for (int z = 0; z < kBrickCells; ++z) {
     std::uint64_t slice = 0;
@@ -254,13 +260,13 @@ int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed
       for (int bx = firstBrick(0); bx <= lastBrick(0); ++bx) {
         const std::int32_t number = brickAt(bx, by, bz);
         if (number < 0) continue;
+        Brick& brick = bricks_[static_cast<std::size_t>(number)];
         if (perLength != 0.0f) {  // a long diagonal axis: most bricks of its box are out of reach
           const Eigen::Vector3f middle = (kBrickCells * (Vec3(bx, by, bz).array() + 0.5) - a.array()).cast<float>();
           const float t = std::clamp(middle.dot(span) * perLength, 0.0f, 1.0f);
           if ((middle - t * span).squaredNorm() > farthest * farthest) continue;
         }
         ++bricks;
-        Brick& brick = bricks_[static_cast<std::size_t>(number)];
         const std::array<int, 3> corner = {kBrickCells * bx, kBrickCells * by, kBrickCells * bz};
         std::array<int, 3> i0, i1;  // samples out of reach have values below -kBand
         for (int i = 0; i < 3; ++i) {
@@ -291,15 +297,18 @@ int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed
             // Is reach - distance above any sample, except those at the end of the band?
             if (!(((reach - before).max(0.0f).square() - squared.max(inner * inner)).maxCoeff() > 0.0f)) continue;
             if (!std::exchange(isCut, true)) keep(brick);
-            for (int x = 0; x < kBrickSamples; ++x) {
-              const int lane = x < kBrickCells ? x : kLanes - 1;
-              const float was = before[lane], now = std::min(std::max(was, reach - std::sqrt(squared[lane])), kBand);
-              row[x] = now;
-              if (!(now > -0.5f && was < 0.5f)) continue;
-              isTurned = isTurned || (was < 0.0f) != (now < 0.0f);
-              if (x < kBrickCells && y < kBrickCells && z < kBrickCells)
-                removed[brick.layer[cellAt(x, y, z)]] += (shareOf(was) - shareOf(now)) * volume;
-            }
+            Row after;
+            for (int k = 0; k < kLanes; ++k)
+              after[k] = std::min(std::max(before[k], reach - std::sqrt(squared[k])), kBand);
+            std::copy_n(after.data(), kBrickCells, row);
+            row[kBrickCells] = after[kLanes - 1];
+            int turned = 0;
+            for (int k = 0; k < kLanes; ++k) turned |= (before[k] < 0.0f) & (after[k] >= 0.0f);
+            isTurned = isTurned || turned != 0;
+            const Row taken = shareOf(before) - shareOf(after);
+            if (y == kBrickCells || z == kBrickCells || !(taken.maxCoeff() > 0.0f)) continue;
+            for (int x = 0; x < kBrickCells; ++x)
+              removed[brick.layer[cellAt(x, y, z)]] += static_cast<double>(taken[x]) * volume;
           }
         if (isTurned) findSurface(brick);
         if (isCut) tellChanged(number);

@@ -47,56 +47,49 @@ struct Plane {
   }
 };
 
-Plane planeOf(const float* s, const Vec3& q) {
-  const auto& [s0, s1, s2, s3, s4, s5, s6, s7] = kCorners;
-  const Eigen::Vector3f f = q.cast<float>();
-  return {s[s0], s[s1], s[s2], s[s3], s[s4], s[s5], s[s6], s[s7], f.x(), f.y(), f.z()};
+// Bits of the cells of a row with centres between two places.
+inline std::uint32_t cellsBetween(double from, double to) {
+  from = std::max(std::ceil(from), 0.0);
+  to = std::min(std::floor(to), kBrickCells - 1.0);
+  return from <= to ? (2u << static_cast<unsigned>(to)) - (1u << static_cast<unsigned>(from)) : 0u;
 }
 
-// Cells of a slice whose centres may be within `most`: those in the square around the circle.
-std::uint64_t cellsAbout(const Vec3& seen, int z, double most) {
-  const double squared = most * most - (seen.z() - z) * (seen.z() - z);
-  if (!(squared >= 0.0)) return 0;
-  const double radius = std::sqrt(squared);
-  const auto range = [&](double at) {  // bits
-    const double from = std::max(at - radius, 0.0), to = std::min(at + radius, kBrickCells - 1.0);
-    if (!(from <= to)) return 0u;
-    return (2u << static_cast<unsigned>(to)) - (1u << static_cast<unsigned>(from));  // from: rounded down
-  };
-  std::uint64_t cells = 0;
-  const std::uint64_t row = range(seen.x());
-  for (std::uint32_t rows = range(seen.y()); rows != 0; rows &= rows - 1)
-    cells |= row << (kBrickCells * __builtin_ctz(rows));
-  return cells;
-}
-
-// Cells relative to the point, stored by component, so that several are computed at once.
+// Cells and the place of the axis nearest to their centres, stored by component, so that several are computed at once.
 struct SeenCells {
   int count = 0;
   std::array<const float*, kMostSeen> samples;
   std::array<Eigen::Vector3f, kMostSeen> low;
+  std::array<double, kMostSeen> parameter;  // of the place
   float toCentre[3][kMostSeen], corners[8][kMostSeen];
   float distance[kMostSeen], flatness[kMostSeen], outside[kMostSeen];  // as in Plane
+  float centre[kMostSeen];                                             // distance of the centre
   float least[kMostSeen];                                              // lower bound of the distance of the patch
 
-  void add(const float* s, const Vec3& corner, const Vec3& q) {
+  void add(const float* s, const Vec3& corner, const Vec3& q, double t) {
     samples[count] = s;
     low[count] = corner.cast<float>();
+    parameter[count] = t;
     for (int i = 0; i < 3; ++i) toCentre[i][count] = static_cast<float>(q[i]);
     for (int i = 0; i < 8; ++i) corners[i][count] = s[kCorners[i]];
     ++count;
   }
 
-  void look() {
+  // The axis may be nearest to a patch up to `step` ahead or back.
+  void look(const Eigen::Vector3f& step) {
     const auto& [s0, s1, s2, s3, s4, s5, s6, s7] = corners;
     const auto& [qx, qy, qz] = toCentre;
+    const float stepX = step.x(), stepY = step.y(), stepZ = step.z();
     for (int i = 0; i < count; ++i) {
       const Plane plane(s0[i], s1[i], s2[i], s3[i], s4[i], s5[i], s6[i], s7[i], qx[i], qy[i], qz[i]);
+      const float rise = plane.perNorm * (plane.gx * stepX + plane.gy * stepY + plane.gz * stepZ);
+      const float back = rise * plane.perNorm;
+      const float slide = std::max(std::max(std::abs(stepX - back * plane.gx), std::abs(stepY - back * plane.gy)),
+                                   std::abs(stepZ - back * plane.gz));
       distance[i] = plane.distance;
       flatness[i] = plane.flatness;
       outside[i] = plane.outside;
-      least[i] = std::max(plane.least(0.0f, 0.0f),
-                          std::sqrt(qx[i] * qx[i] + qy[i] * qy[i] + qz[i] * qz[i]) - static_cast<float>(kHalfCell));
+      centre[i] = std::sqrt(qx[i] * qx[i] + qy[i] * qy[i] + qz[i] * qz[i]);
+      least[i] = std::max(plane.least(std::abs(rise), slide), centre[i] - static_cast<float>(kHalfCell));
     }
   }
 };

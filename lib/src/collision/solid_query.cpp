@@ -17,10 +17,10 @@ constexpr double kFarthest = 1.0;  // above half a diagonal: a cell with surface
 constexpr double kClose = 2.0 * kBrickCells;
 constexpr int kRounds = 8;    // of an axis and a patch
 constexpr double kFew = 4.0;  // a first step shorter than 1 / kFew of the range goes to its end instead
-constexpr double kSameMinimum = 0.02;
-constexpr double kClear = 0.5;                         // farther away the offset from the surface gives its normal
-constexpr double kAligned = 0.9396926207859084;        // cos 20 deg
-constexpr double kSameDirection = 0.8660254037844386;  // cos 30 deg
+constexpr float kSameMinimum = 0.02f;
+constexpr double kClear = 0.5;                   // farther away the offset from the surface gives its normal
+constexpr double kAligned = 0.9396926207859084;  // cos 20 deg
+constexpr float kSameDirection = 0.8660254f;     // cos 30 deg
 
 struct Nearest {
   double distance;
@@ -80,23 +80,31 @@ struct SolidQuery {
   // cell relative to the axis, place of the axis.
   template <typename Reach, typename Visit>
   void forEachCell(const Brick& brick, const Reach& reach, const Visit& visit) const {
-    const Vec3 corner = cornerOf(brick), seen = a - corner - Vec3::Constant(0.5);
-    for (int z = 0; z < kBrickCells; ++z) {
-      std::uint64_t left = brick.surface[z];
-      if (left != 0 && perLength == 0.0) left &= cellsAbout(seen, z, reach() + kHalfCell);
-      for (; left != 0; left &= left - 1) {
+    const Vec3 corner = cornerOf(brick), first = corner + Vec3::Constant(0.5), seen = a - first;
+    // The part of the axis that may be in reach, and a box around it.
+    const double around = reach() + kHalfCell, half = (kBrickCells * kHalfCell + around) * perSpan;
+    const double middle = parameterAt(corner + Vec3::Constant(0.5 * kBrickCells));
+    const Vec3 from = axisAt(std::max(middle - half, 0.0)) - first, to = axisAt(std::min(middle + half, 1.0)) - first;
+    std::array<std::uint32_t, 3> within;
+    for (int i = 0; i < 3; ++i)
+      within[i] = cellsBetween(std::min(from[i], to[i]) - around, std::max(from[i], to[i]) + around);
+    std::uint64_t slice = 0;
+    for (std::uint32_t rows = within[1]; rows != 0; rows &= rows - 1)
+      slice |= std::uint64_t{within[0]} << (kBrickCells * __builtin_ctz(rows));
+    for (; within[2] != 0; within[2] &= within[2] - 1) {
+      const int z = __builtin_ctz(within[2]);
+      for (std::uint64_t left = brick.surface[z] & slice; left != 0; left &= left - 1) {
         const int bit = __builtin_ctzll(left), x = bit % kBrickCells, y = bit / kBrickCells;
-        double qx = seen.x() - x, qy = seen.y() - y, qz = seen.z() - z, t = 0.0;
+        Vec3 q(seen.x() - x, seen.y() - y, seen.z() - z);
+        double t = 0.0;
         if (perLength > 0.0) {
-          t = std::clamp(-(qx * span.x() + qy * span.y() + qz * span.z()) * perLength, 0.0, 1.0);
-          qx += t * span.x();
-          qy += t * span.y();
-          qz += t * span.z();
+          t = std::clamp(-q.dot(span) * perLength, 0.0, 1.0);
+          q += t * span;
         }
         const double most = reach() + kHalfCell;
-        if (qx * qx + qy * qy + qz * qz > most * most) continue;
+        if (q.squaredNorm() > most * most) continue;
         visit(brick.samples.data() + (z * kBrickSamples + y) * kBrickSamples + x,
-              Vec3(corner.x() + x, corner.y() + y, corner.z() + z), Vec3(qx, qy, qz), t);
+              Vec3(corner.x() + x, corner.y() + y, corner.z() + z), q, t);
       }
     }
   }
@@ -105,20 +113,20 @@ struct SolidQuery {
     return kBrickCells * Vec3(brick.place[0], brick.place[1], brick.place[2]);
   }
 
-  // Pass on the cells that may have a place within reach of the point, as many as fit at a time.
-  template <typename Visit>
-  void forEachSeen(double reach, const Visit& visit) const {
+  // Pass on the cells that may have a place within `reach()` of the axis, as many as fit at a time.
+  template <typename Reach, typename Visit>
+  void forEachSeen(const Reach& reach, const Visit& visit) const {
     SeenCells cells;
+    const Eigen::Vector3f step = (kHalfCell * perSpan * span).cast<float>();
     const auto hand = [&] {
-      cells.look();
+      cells.look(step);
       visit(std::as_const(cells));
       cells.count = 0;
     };
-    const auto within = [&] { return reach; };
-    forEachBrick(within, [&](std::int32_t, const Brick& brick, double) {
-      forEachCell(brick, within, [&](const float* samples, const Vec3& low, const Vec3& q, double) {
+    forEachBrick(reach, [&](std::int32_t, const Brick& brick, double) {
+      forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double t) {
         if (cells.count == kMostSeen) hand();
-        cells.add(samples, low, q);
+        cells.add(samples, low, q, t);
       });
     });
     hand();
@@ -177,10 +185,7 @@ struct NearestSearch : SolidQuery {
                  });
     if (seed < 0) return best;
     searchMiddle(brickOf(seed), best);
-    if (perLength == 0.0)
-      forEachSeen(best.distance, [&](const SeenCells& cells) { search(cells, best); });
-    else
-      searchAll(best);
+    searchAll(best);
     if (best.found || best.distance == limit) return best;
     Nearest any{limit};  // for the case that all of those cells have none
     searchAll(any);
@@ -188,7 +193,15 @@ struct NearestSearch : SolidQuery {
   }
 
   void searchAll(Nearest& best) const {
-    forEachBrick([&] { return best.distance; }, [&](std::int32_t, const Brick& brick, double) { search(brick, best); });
+    forEachSeen([&] { return best.distance; },
+                [&](const SeenCells& cells) {
+                  const Order order(cells, best.distance);
+                  for (int i = 0; i < cells.count; ++i) {
+                    const int cell = order.cells[i];
+                    if (static_cast<double>(cells.least[cell]) < best.distance)
+                      search(cells.low[cell].cast<double>(), cells.samples[cell], cells.parameter[cell], best);
+                  }
+                });
   }
 
   // At the nearest place of the axis, the way from the patch's nearest place is perpendicular to it. This is a root of
@@ -221,30 +234,6 @@ struct NearestSearch : SolidQuery {
     }
   }
 
-  void search(const Brick& brick, Nearest& best) const {
-    const Eigen::Vector3f step = (kHalfCell * perSpan * span).cast<float>();
-    const auto reach = [&] { return best.distance; };
-    forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double t) {
-      const Plane plane = planeOf(samples, q);
-      // The axis may be nearest elsewhere, at most half a diagonal ahead or back.
-      const float rise = plane.perNorm * (plane.gx * step.x() + plane.gy * step.y() + plane.gz * step.z());
-      const float alongX = step.x() - rise * plane.gx * plane.perNorm,
-                  alongY = step.y() - rise * plane.gy * plane.perNorm,
-                  alongZ = step.z() - rise * plane.gz * plane.perNorm;
-      const float slide = std::max({std::abs(alongX), std::abs(alongY), std::abs(alongZ)});
-      if (static_cast<double>(plane.least(std::abs(rise), slide)) < best.distance) search(low, samples, t, best);
-    });
-  }
-
-  void search(const SeenCells& cells, Nearest& best) const {
-    const Order order(cells, best.distance);
-    for (int i = 0; i < cells.count; ++i) {
-      const int cell = order.cells[i];
-      if (static_cast<double>(cells.least[cell]) < best.distance)
-        search(cells.low[cell].cast<double>(), cells.samples[cell], 0.0, best);
-    }
-  }
-
   // Search the cell with the nearest centre first; its result shortens the rest.
   void searchMiddle(const Brick& brick, Nearest& best) const {
     double least = kNoLimit, parameter = 0.0;
@@ -269,28 +258,45 @@ struct NearestSearch : SolidQuery {
 struct Collected {
   std::array<Nearest, kMaxSolidMinima> all;
   int count = 0;
+  // For all of them at once: distance and direction of the point. In float, as it only selects.
+  float distance[kMaxSolidMinima], x[kMaxSolidMinima], y[kMaxSolidMinima], z[kMaxSolidMinima];
 
-  // Whether there is one in about the direction of `way` that is not farther than `distance`.
-  bool has(const Vec3& p, const Vec3& way, double length, double distance) const {
-    for (int i = 0; i < count; ++i)
-      if (all[i].distance <= distance && way.dot(p - all[i].point) > kSameDirection * all[i].distance * length)
-        return true;
-    return false;
+  Collected() { std::fill(std::begin(distance), std::end(distance), static_cast<float>(kNoLimit)); }
+
+  // Whether there is one in about the direction of the vector that is not farther than `most`.
+  bool has(float wayX, float wayY, float wayZ, float length, float most) const {
+    int found = 0;
+    for (int i = 0; i < kMaxSolidMinima; ++i)
+      found |= (distance[i] <= most) & (x[i] * wayX + y[i] * wayY + z[i] * wayZ > kSameDirection * length);
+    return found != 0;
   }
 
   void add(const Vec3& p, const Nearest& candidate) {
-    const Vec3 way = p - candidate.point;
-    if (has(p, way, candidate.distance, candidate.distance)) return;
-    int kept = 0;
+    const auto length = static_cast<float>(candidate.distance);
+    const Eigen::Vector3f way = (p - candidate.point).cast<float>();
+    if (has(way.x(), way.y(), way.z(), length, length)) return;
+    int kept = 0, place = 0;
     for (int i = 0; i < count; ++i)
-      if (!(way.dot(p - all[i].point) > kSameDirection * all[i].distance * candidate.distance)) all[kept++] = all[i];
+      if (!(x[i] * way.x() + y[i] * way.y() + z[i] * way.z() > kSameDirection * length)) {
+        all[kept++] = all[i];
+        if (all[i].distance <= candidate.distance) place = kept;
+      }
+    if (place < kMaxSolidMinima) {
+      kept = std::min(kept, kMaxSolidMinima - 1);
+      std::copy_backward(all.begin() + place, all.begin() + kept, all.begin() + kept + 1);
+      all[place] = candidate;
+      ++kept;
+    }
     count = kept;
-    int place = count;
-    while (place > 0 && candidate.distance < all[place - 1].distance) --place;
-    if (place == kMaxSolidMinima) return;
-    count = std::min(count + 1, kMaxSolidMinima);
-    std::copy_backward(all.begin() + place, all.begin() + count - 1, all.begin() + count);
-    all[place] = candidate;
+    for (int i = 0; i < kMaxSolidMinima; ++i) {
+      const bool isOne = i < count;
+      const Eigen::Vector3f to = isOne ? Eigen::Vector3f((p - all[i].point).cast<float>().stableNormalized())
+                                       : Eigen::Vector3f(Eigen::Vector3f::Zero());
+      distance[i] = static_cast<float>(isOne ? all[i].distance : kNoLimit);
+      x[i] = to.x();
+      y[i] = to.y();
+      z[i] = to.z();
+    }
   }
 };
 
@@ -300,7 +306,7 @@ struct MinimaSearch : SolidQuery {
   void minima(double reach, SolidMinima& minima) const {
     Nearest best{reach};
     Collected found;
-    forEachSeen(reach, [&](const SeenCells& cells) { collect(cells, reach, best, found); });
+    forEachSeen([&] { return reach; }, [&](const SeenCells& cells) { collect(cells, reach, best, found); });
     if (best.found) found.add(a, best);  // also counts if the surface has no normal there that points to p
     for (int i = 0; i < found.count; ++i) minima.all[i] = answer(found.all[i], 1.0);
     minima.count = found.count;
@@ -312,14 +318,14 @@ struct MinimaSearch : SolidQuery {
     const Order order(cells, reach);
     for (int i = 0; i < cells.count; ++i) {
       const int cell = order.cells[i];
-      const double least = static_cast<double>(cells.least[cell]), distance = static_cast<double>(cells.distance[cell]);
+      const double least = static_cast<double>(cells.least[cell]);
       if (least > reach) continue;
       const Vec3 low = cells.low[cell].cast<double>(), q = a - low;
       const auto isOne = [&] {
-        const Vec3 toCentre = q - Vec3::Constant(0.5);
+        const auto& [x, y, z] = cells.toCentre;
         return cells.outside[cell] <= 0.75f + 2.0f * cells.flatness[cell] * cells.distance[cell] &&
                (found.count < kMaxSolidMinima || least < found.all[found.count - 1].distance) &&
-               !found.has(a, toCentre, toCentre.norm(), distance + kSameMinimum);
+               !found.has(x[cell], y[cell], z[cell], cells.centre[cell], cells.distance[cell] + kSameMinimum);
       };
       if (least >= best.distance && !isOne()) continue;
       Touch touch;
