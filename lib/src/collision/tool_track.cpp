@@ -85,7 +85,8 @@ ShapePoint nearestOf(const Analytic& shape, const Vec3& p, PartCache*, int, bool
 
 // Lower bound of the distance of the goal by what the search for contacts found in an earlier tick. Each place of that
 // axis had a ball without surface around it. The axis and the goal are both in these balls, so the way is free.
-double knownClearance(const MeshModel& mesh, const Segment& axis, const Segment& goal, const PartCache* cache) noexcept {
+double knownClearance(const MeshModel& mesh, const Segment& axis, const Segment& goal,
+                      const PartCache* cache) noexcept {
   if (cache == nullptr || cache->revision != Inside::of(mesh).view.revision) return -1.0;
   return lengthOf(cache->axis, axis) < cache->clear ? cache->clear - lengthOf(cache->axis, goal) : -1.0;
 }
