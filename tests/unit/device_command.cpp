@@ -115,6 +115,29 @@ TEST_CASE("a virtual device runs in one process, and the forms of URLs are liste
   CHECK_THAT(run("devices").output, ContainsSubstring("virtual:FILE") && ContainsSubstring("udp://HOST:PORT"));
 }
 
+TEST_CASE("a bur cuts on a virtual device", "[device_command]") {
+  const test::TemporaryFolder folder;
+  const std::string scene = folder / "cube.toml";
+  test::writeFile(folder / "cube.off",
+                  "OFF 8 12 0\n-9 -9 -9\n9 -9 -9\n9 9 -9\n-9 9 -9\n-9 -9 0\n9 -9 0\n9 9 0\n-9 9 0\n3 0 2 1\n3 0 3 2\n"
+                  "3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n");
+  const std::string cube =
+      "name = \"cube\"\nstart = [0, 0, 0.0015]\n[[tool]]\nfrom = [0, 0, 0.001]\nradius = 0.001\n[[obstacle]]\n"
+      "name = \"cube\"\nshape = \"solid\"\nfile = \"cube.off\"\nunit = \"mm\"\ncell = 0.0004\n[[obstacle.layer]]\n"
+      "name = \"dentine\"\nhardness = 6e8\n";
+  test::writeFile(scene, cube);
+  const std::string command = "device --connect virtual: --scene '" + scene + "' --spin --duration ";
+  CHECK_THAT(run(command + "1").output, ContainsSubstring("cube.toml: --spin needs a table [bur]"));
+  test::writeFile(scene, cube + "[bur]\npart = 0\nwear = 5.0\nturns = 2000.0\n");
+  std::string output;
+  for (const char* seconds : {"1", "4", "16"}) {  // on a busy machine ticks are late
+    output = run(command + seconds).output;
+    if (numberAfter(output, "removed ") > 0) break;
+  }
+  INFO(output);
+  CHECK(numberAfter(output, "removed ") > 0);
+}
+
 TEST_CASE("a first trial writes its report, and stops at a surprise or at the person's word", "[device_command]") {
   const test::TemporaryFolder folder;
   const std::string touch =
