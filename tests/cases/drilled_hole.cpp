@@ -29,12 +29,13 @@ struct Rest {
   double massError = 0.0;  // largest error of ln(learnt mass), in its stated standard deviations
 };
 
-// The hand drills for 6 s, then presses with 0.1 N and waits for 1 s. The result is measured after that.
-Rest drillAndRest() {
+// The hand drills for 6 s, then presses with 0.1 N and waits for 1 s. The result is measured after that. `way`: where
+// the drilling slows down, m.
+Rest drillAndRest(double way) {
   const auto experiment = fixture::experiment(shipped("drill.toml"), RendererSlot::positionControl);
   lowerHand(*experiment, 0.5e-3, 0.5);
   experiment->spin(true);
-  lowerHand(*experiment, -9e-3, 2.5);
+  lowerHand(*experiment, -way, 2.5);
   lowerHand(*experiment, -16e-3, 3.5);
   experiment->spin(false);
   const double bottom = experiment->frame().record.pose.position.z();
@@ -59,8 +60,17 @@ Rest drillAndRest() {
   return rest;
 }
 
+// Paths that differ by 20 um end with other chips of material and other contacts: the worse result of two counts.
 const Rest& rest() {
-  static const Rest once = drillAndRest();
+  static const Rest once = [] {
+    Rest worse = drillAndRest(9e-3);
+    const Rest other = drillAndRest(9.02e-3);
+    worse.finished = worse.finished && other.finished;
+    worse.depth = std::min(worse.depth, other.depth);
+    for (double Rest::*value : {&Rest::hand, &Rest::mean, &Rest::deviation, &Rest::largest, &Rest::massError})
+      worse.*value = std::max(worse.*value, other.*value);
+    return worse;
+  }();
   return once;
 }
 

@@ -62,7 +62,6 @@ struct SeenCells {
   std::array<double, kMostSeen> parameter;  // of the place
   float toCentre[3][kMostSeen], corners[8][kMostSeen];
   float distance[kMostSeen], flatness[kMostSeen], outside[kMostSeen];  // as in Plane
-  float centre[kMostSeen];                                             // distance of the centre
   float least[kMostSeen];                                              // lower bound of the distance of the patch
 
   void add(const float* s, const Vec3& corner, const Vec3& q, double t) {
@@ -88,8 +87,8 @@ struct SeenCells {
       distance[i] = plane.distance;
       flatness[i] = plane.flatness;
       outside[i] = plane.outside;
-      centre[i] = std::sqrt(qx[i] * qx[i] + qy[i] * qy[i] + qz[i] * qz[i]);
-      least[i] = std::max(plane.least(std::abs(rise), slide), centre[i] - static_cast<float>(kHalfCell));
+      least[i] = std::max(plane.least(std::abs(rise), slide),
+                          std::sqrt(qx[i] * qx[i] + qy[i] * qy[i] + qz[i] * qz[i]) - static_cast<float>(kHalfCell));
     }
   }
 };

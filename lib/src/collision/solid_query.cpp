@@ -20,7 +20,9 @@ constexpr double kFew = 4.0;  // a first step shorter than 1 / kFew of the range
 constexpr float kSameMinimum = 0.02f;
 constexpr double kClear = 0.5;                   // farther away the offset from the surface gives its normal
 constexpr double kAligned = 0.9396926207859084;  // cos 20 deg
-constexpr float kSameDirection = 0.8660254f;     // cos 30 deg
+// Of minima within 30 deg the nearest represents the others, unless they are of two walls.
+constexpr float kSameDirection = 0.8660254f;
+constexpr double kResolved = 0.25;  // times h^2 / R: the error of the interpolation
 
 struct Nearest {
   double distance;
@@ -146,20 +148,22 @@ struct SolidQuery {
     return answer;
   }
 
-  bool isInside() const {
+  // The interpolation at a place, in cells; outside of all bricks the end of the band.
+  double valueAt(const Vec3& p) const {
     std::array<int, 3> at;
     for (int i = 0; i < 3; ++i) {
-      if (!(a[i] >= 0.0 && a[i] < static_cast<double>(kBrickCells) * solid.count_[i])) return false;
-      at[i] = static_cast<int>(a[i]);
+      if (!(p[i] >= 0.0 && p[i] < static_cast<double>(kBrickCells) * solid.count_[i])) return Solid::kBand;
+      at[i] = static_cast<int>(p[i]);
     }
     const std::int32_t number = solid.brickAt(at[0] / kBrickCells, at[1] / kBrickCells, at[2] / kBrickCells);
-    if (number < 0) return false;
+    if (number < 0) return Solid::kBand;
     const Brick& brick = brickOf(number);
     const int x = at[0] % kBrickCells, y = at[1] % kBrickCells, z = at[2] % kBrickCells;
     const Patch patch(brick.samples.data() + (z * kBrickSamples + y) * kBrickSamples + x);
     Vec3 gradient;
-    return patch.at(a - Vec3(at[0], at[1], at[2]), gradient) < 0.0;
+    return patch.at(p - Vec3(at[0], at[1], at[2]), gradient);
   }
+  bool isInside() const { return valueAt(a) < 0.0; }
 };
 
 namespace {
@@ -254,7 +258,7 @@ struct NearestSearch : SolidQuery {
   }
 };
 
-// The minima of the distance from a point; of each direction the nearest.
+// The minima of the distance from a point, nearest first.
 struct Collected {
   std::array<Nearest, kMaxSolidMinima> all;
   int count = 0;
@@ -263,21 +267,23 @@ struct Collected {
 
   Collected() { std::fill(std::begin(distance), std::end(distance), static_cast<float>(kNoLimit)); }
 
-  // Whether there is one in about the direction of the vector that is not farther than `most`.
-  bool has(float wayX, float wayY, float wayZ, float length, float most) const {
+  Eigen::Vector3f direction(int i) const { return {x[i], y[i], z[i]}; }
+
+  // Whether there is one within an angle of the vector that is not farther than `most`.
+  bool has(const Eigen::Vector3f& way, float most, float cosine) const {
+    const float wayX = way.x(), wayY = way.y(), wayZ = way.z(), least = cosine * way.norm();
     int found = 0;
     for (int i = 0; i < kMaxSolidMinima; ++i)
-      found |= (distance[i] <= most) & (x[i] * wayX + y[i] * wayY + z[i] * wayZ > kSameDirection * length);
+      found |= (distance[i] <= most) & (x[i] * wayX + y[i] * wayY + z[i] * wayZ > least);
     return found != 0;
   }
 
-  void add(const Vec3& p, const Nearest& candidate) {
-    const auto length = static_cast<float>(candidate.distance);
-    const Eigen::Vector3f way = (p - candidate.point).cast<float>();
-    if (has(way.x(), way.y(), way.z(), length, length)) return;
+  // Keep the others for which `keeps` is true, and insert this one.
+  template <typename Keeps>
+  void add(const Vec3& p, const Nearest& candidate, const Keeps& keeps) {
     int kept = 0, place = 0;
     for (int i = 0; i < count; ++i)
-      if (!(x[i] * way.x() + y[i] * way.y() + z[i] * way.z() > kSameDirection * length)) {
+      if (keeps(i)) {
         all[kept++] = all[i];
         if (all[i].distance <= candidate.distance) place = kept;
       }
@@ -307,12 +313,48 @@ struct MinimaSearch : SolidQuery {
     Nearest best{reach};
     Collected found;
     forEachSeen([&] { return reach; }, [&](const SeenCells& cells) { collect(cells, reach, best, found); });
-    if (best.found) found.add(a, best);  // also counts if the surface has no normal there that points to p
+    if (best.found) add(best, found);  // also counts if the surface has no normal there that points to p
     for (int i = 0; i < found.count; ++i) minima.all[i] = answer(found.all[i], 1.0);
     minima.count = found.count;
   }
 
  private:
+  // Whether two minima belong to two walls that meet in an edge. In a pit that fits the tool, the edge of their tangent
+  // planes lies in the material. Directions are unit vectors to the point.
+  bool areWalls(const Eigen::Vector3f& way, float distance, const Eigen::Vector3f& otherWay, float other) const {
+    const float cosine = way.dot(otherWay), scale = 1.0f / std::max(1.0f - cosine * cosine, 1e-6f);
+    const float share = (distance - cosine * other) * scale, otherShare = (other - cosine * distance) * scale;
+    if (!(share > 0.0f && otherShare > 0.0f)) return false;  // the edge is not between them
+    const Vec3 toEdge = -(share * way + otherShare * otherWay).cast<double>();
+    const double far = std::max(distance, other), beyond = toEdge.norm() - far;
+    return beyond > kResolved / far && valueAt(a + toEdge) > -0.5 * beyond;
+  }
+
+  // Whether a place in this direction is represented by a minimum that is not farther than `most`.
+  bool isKnown(const Collected& found, const Eigen::Vector3f& way, float distance, float most) const {
+    if (!found.has(way, most, kSameDirection)) return false;
+    // At smaller angles the interpolation does not resolve an edge.
+    const float turn = 2.0f / std::max(distance, 1.0f);
+    if (found.has(way, most, std::max(1.0f - 0.5f * turn * turn, kSameDirection))) return true;
+    const Eigen::Vector3f unit = way.stableNormalized();
+    for (int i = 0; i < found.count; ++i)
+      if (found.distance[i] <= most && found.direction(i).dot(unit) > kSameDirection &&
+          !areWalls(found.direction(i), found.distance[i], unit, distance))
+        return true;
+    return false;
+  }
+
+  void add(const Nearest& candidate, Collected& found) const {
+    const Eigen::Vector3f way = (a - candidate.point).cast<float>();
+    const auto distance = static_cast<float>(candidate.distance);
+    if (isKnown(found, way, distance, distance)) return;
+    const Eigen::Vector3f unit = way.stableNormalized();
+    found.add(a, candidate, [&](int i) {
+      return found.direction(i).dot(unit) <= kSameDirection || found.distance[i] <= distance ||
+             areWalls(found.direction(i), found.distance[i], unit, distance);
+    });
+  }
+
   // The likely nearest first, so that others in the same direction need no closer look.
   void collect(const SeenCells& cells, double reach, Nearest& best, Collected& found) const {
     const Order order(cells, reach);
@@ -325,7 +367,7 @@ struct MinimaSearch : SolidQuery {
         const auto& [x, y, z] = cells.toCentre;
         return cells.outside[cell] <= 0.75f + 2.0f * cells.flatness[cell] * cells.distance[cell] &&
                (found.count < kMaxSolidMinima || least < found.all[found.count - 1].distance) &&
-               !found.has(x[cell], y[cell], z[cell], cells.centre[cell], cells.distance[cell] + kSameMinimum);
+               !isKnown(found, {x[cell], y[cell], z[cell]}, cells.distance[cell], cells.distance[cell] + kSameMinimum);
       };
       if (least >= best.distance && !isOne()) continue;
       Touch touch;
@@ -335,7 +377,7 @@ struct MinimaSearch : SolidQuery {
       if (candidate.distance < best.distance) best = candidate;
       if (candidate.distance <= reach &&
           way.dot(touch.gradient) > kAligned * candidate.distance * touch.gradient.norm())
-        found.add(a, candidate);
+        add(candidate, found);
     }
   }
 };
