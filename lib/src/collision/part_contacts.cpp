@@ -229,31 +229,34 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   PartOnMesh(mesh, axis, radius, cache, out).addContacts();
 }
 
-// A place between the ends counts only if it is nearer than both, as for a mesh.
+// A place between the ends counts only if it is nearer than both, as for a mesh. The search along the axis spares those
+// at ends that it shows to be too far away, or finds itself.
 void addPart(const Solid& solid, const Segment& axis, double radius, PartCache*, Collector& out) {
   const double reach = out.reachOf(radius);
-  const auto addSphere = [&](const Vec3& p, bool isBehind) {
+  SolidPoint between;
+  const auto addSphere = [&](const Vec3& p, bool isBehind, double parameter) {
     SolidMinima minima;
-    if (!isBehind) findMinima(solid, p, std::min(reach, radius + kSolidNear), minima);
+    if (!isBehind && !(between.found && between.distance > radius + kSolidNear))
+      findMinima(solid, p, std::min(reach, radius + kSolidNear), minima);
     for (int i = 0; i < minima.count; ++i) out.add(p, minima.all[i], radius);
     if (minima.count > 0) return minima.all[0].distance;
-    const SolidPoint nearest = signedDistance(solid, p, isBehind ? kNoLimit : reach);
+    const bool isKnown = between.found && between.parameter == parameter;
+    const SolidPoint nearest = isKnown ? between : signedDistance(solid, p, isBehind ? kNoLimit : reach);
     if (nearest.found) out.add(p, nearest, radius);
     return nearest.distance;
   };
   const bool isSphere = axis.a == axis.b, isBehindA = isInside(solid, axis.a);
   const bool isBehindB = isSphere ? isBehindA : isInside(solid, axis.b);
-  SolidPoint between;
   if (!isSphere && !isBehindA && !isBehindB) {
     between = closestToSegment(solid, axis, reach);
     if (!between.found) return;
   }
-  const double atA = addSphere(axis.a, isBehindA);
+  const double atA = addSphere(axis.a, isBehindA, 0.0);
   if (isSphere) return;
-  const double atB = addSphere(axis.b, isBehindB);
+  const double atB = addSphere(axis.b, isBehindB, 1.0);
   if (between.found && between.parameter > 0.0 && between.parameter < 1.0 &&
       between.distance < std::min(atA, atB) - kClearlyNearer)
-    addSphere(axis.a + between.parameter * (axis.b - axis.a), false);
+    addSphere(axis.a + between.parameter * (axis.b - axis.a), false, between.parameter);
 }
 
 template <typename Analytic>
