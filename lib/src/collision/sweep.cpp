@@ -234,7 +234,12 @@ SweepHit kernel::sweepSphere(const MeshData& data, const Vec3& from, const Vec3&
     setTouch(0.0, start, touchNormal(*s.data, from - start.point, start.distance, start.triangle, s.motion), s.best);
     return s.best;
   }
-  loops().visit(s.data->view, from.data(), to.data(), radius, &sweepTriangle, &s);
+  // Piece by piece, each twice as long as the one before: the boxes of the first ones are small.
+  for (double begin = 0.0, end = kFirstWindow; begin < 1.0; begin = end, end *= 2.0) {
+    const Vec3 first = from + begin * s.motion, last = from + std::min(end, 1.0) * s.motion;
+    loops().visit(s.data->view, first.data(), last.data(), radius, &sweepTriangle, &s);
+    if (s.best.hit && s.best.time <= end) break;  // a large triangle near an early piece may be met later
+  }
   return s.best;
 }
 

@@ -49,20 +49,21 @@ SweepHit sweepShape(const Analytic& shape, const Segment& from, const Segment& t
 }
 
 // Advance by the present distance: no point of the axis can cover it sooner.
-SweepHit sweepShape(const Solid& solid, const Segment& from, const Segment& to, double radius, int, PartCache*) {
-  constexpr int kMostSteps = 64;
+SweepHit sweepShape(const Solid& solid, const Segment& from, const Segment& to, double radius, int advances,
+                    PartCache*) {
+  const int most = std::min(advances, 64);
   SweepHit result;
   const Vec3 motionA = to.a - from.a, motionB = to.b - from.b;
   const double path = std::max(motionA.norm(), motionB.norm()), tolerance = 1e-3 * solid.cell();
   double time = 0.0;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < most; ++step) {
     const Segment now{from.a + time * motionA, from.b + time * motionB};
     const double left = (1.0 - time) * path;
     const SolidPoint near = closestToSegment(solid, now, radius + left + tolerance);
     if (!near.found) return result;
     const Vec3 centre = now.a + near.parameter * (now.b - now.a);
     const double gap = (isInside(solid, centre) ? -near.distance : near.distance) - radius;
-    if (gap <= tolerance || step + 1 == kMostSteps) {
+    if (gap <= tolerance || step + 1 == most) {
       result.hit = true;
       result.time = time;
       result.point = near.point;
