@@ -171,6 +171,15 @@ TEST_CASE("cut: the last stage, with the force of the tick", "[tick]") {
   lost.age = 1;
   REQUIRE(tick(lost, command) == Status::ok);
   CHECK(solid->volume()[0] == volume);  // nothing is cut while the tool's position is unknown
+  renderer.answer = Status::notConverged;
+  (void)tick(sampleAt(pose, time += kPeriod), command);
+  renderer.answer = Status::ok;
+  for (int i = 0; i < 50; ++i) {  // the guard stopped the loop, so the tool sinks in
+    pose.position.z() -= 2e-5;
+    REQUIRE(tick(sampleAt(pose, time += kPeriod), command) == Status::stopped);
+  }
+  CHECK(tick.frame().contacts.count > 0);
+  CHECK(solid->volume()[0] == volume);
 }
 
 TEST_CASE("guard: only obstacles that carry the force excuse its work", "[tick]") {

@@ -60,22 +60,23 @@ void Drill::correct(ContactSnapshot& contacts) noexcept {
   }
 }
 
+void Drill::lift() noexcept {
+  removed_ = RemovedVolume{};
+  lastCut_.obstacle = obstacle_ = -1;
+  force_.setZero();
+  feed_ = 0.0;
+}
+
 void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double elapsed,
                 const ContactSnapshot& contacts) noexcept {
-  removed_ = RemovedVolume{};
-  lastCut_.obstacle = -1;
   const Contact* const first = contacts.contacts.data();
   const Contact* const end = first + contacts.count;
   const Contact* const deepest = std::find_if(first, end, [this](const Contact& c) {
     const auto obstacle = static_cast<std::size_t>(c.obstacle);
     return c.part == number_ && obstacle < solids_.size() && solids_[obstacle] != nullptr;
   });
-  if (deepest == end || !isOn_ || !force.allFinite()) {
-    obstacle_ = -1;
-    force_.setZero();
-    feed_ = 0.0;
-    return;
-  }
+  if (deepest == end || !isOn_ || !force.allFinite()) return lift();
+  lastCut_.obstacle = -1;
   const int number = deepest->obstacle;
   const Obstacle& obstacle = scene.obstacles()[static_cast<std::size_t>(number)];
   Solid& solid = *solids_[static_cast<std::size_t>(number)];

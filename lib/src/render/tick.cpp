@@ -72,8 +72,8 @@ Status HapticTick::tick(const Measurement& measurement) noexcept {
   if (status == Status::ok && isSample && renderer_->needsInertia()) status = fillContactRows(frame_);
   status = render(status);
   guard_.step(measurement, status, frame_);
-  if (status == Status::ok && isSample) cut((1 + lost) * guard_.options().period);
   const bool isStopped = guard_.fault() != GuardReason::none;
+  if (status == Status::ok && isSample) cut((1 + lost) * guard_.options().period, isStopped);
   if (guard_.options().on && !isStopped && !guard_.engaged()) renderer_->reset();
   return status == Status::ok && isStopped ? Status::stopped : status;
 }
@@ -122,8 +122,10 @@ Status HapticTick::addEffect(Status status) noexcept {
   return status;
 }
 
-void HapticTick::cut(double elapsed) noexcept {
+// A stopped loop does not hold the tool. Material that the tool then passes through remains.
+void HapticTick::cut(double elapsed, bool isStopped) noexcept {
   if (drill_ == nullptr) return;
+  if (isStopped) return drill_->lift();
   Vec3 force = Vec3::Zero();  // of the wall on the tool, W, N
   const Kinematics& k = frame_.kinematics;
   if (frame_.output.mode == RenderMode::contact)

@@ -49,6 +49,9 @@ class Drill {
   void cut(const Scene& scene, const Pose& pose, const Vec3& force, double elapsed,
            const ContactSnapshot& contacts) noexcept;
 
+  /// Instead of cut(): the bur touches nothing in this tick. Realtime: yes.
+  void lift() noexcept;
+
   /// Exchange the solids, after the scene was exchanged. The work of the bur continues. Realtime: yes.
   void exchangeSolids(std::vector<std::shared_ptr<Solid>>& solids) noexcept { solids_.swap(solids); }
 

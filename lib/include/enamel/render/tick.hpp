@@ -91,7 +91,7 @@ class HapticTick {
   Status findContacts(double time) noexcept;
   Status render(Status status) noexcept;
   Status addEffect(Status status) noexcept;
-  void cut(double elapsed) noexcept;
+  void cut(double elapsed, bool isStopped) noexcept;
   void placeAt(const Pose& start) noexcept;
   std::size_t numbers() const noexcept;
 
