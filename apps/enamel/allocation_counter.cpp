@@ -1,6 +1,5 @@
 #include "allocation_counter.hpp"
 
-#include <atomic>
 #include <cerrno>
 #include <cstddef>
 
@@ -14,7 +13,7 @@ void __libc_free(void*);
 }
 
 namespace {
-std::atomic<long> allocations{0};
+thread_local long allocations = 0;  // a library of a vendor may allocate in threads of its own
 }
 
 extern "C" {

@@ -3,7 +3,7 @@
 
 namespace enamel {
 
-/// Return the number of allocations and releases of the whole process so far.
+/// Return the number of allocations and releases of the calling thread so far.
 long allocationCount() noexcept;
 
 }  // namespace enamel
