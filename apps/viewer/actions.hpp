@@ -45,7 +45,7 @@ enum class Action : std::uint8_t {
   quit,
 };
 
-/// Where an action applies: a live run, a recording, or both.
+/// Where an action applies: a simulated run, a recording, or both and a connected device.
 enum class Source : std::uint8_t { both, live, recording };
 
 /// A row of the help, of the key bindings and of the script's vocabulary.
