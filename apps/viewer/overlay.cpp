@@ -159,14 +159,14 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
     drawSplitScreen(layout, input, state, brush);
     if (input.elapsed.tour >= 0.0) drawTour(layout, input.elapsed.tour, brush);
   } else {
-    const float s = layout.scale, numbers = (input.player != nullptr ? 106 : 198) * s;
+    const float s = layout.scale, numbers = (input.knowsHand() ? 198 : 106) * s;
     const Rect& scene = layout.scene;
     drawNames(scene,
               {{scene.x, scene.y, scene.width, 70 * s},
                {scene.x, scene.y + scene.height - numbers, 260 * s, numbers},
                drillBox(layout, input),
                layout.inset},
-              input.camera, input.left.frame, input.player == nullptr, brush);
+              input.camera, input.left.frame, input.knowsHand(), brush);
     drawHeader(layout, input, brush);
     drawNumbers(layout, input, brush);
     if (layout.inset.width > 0)

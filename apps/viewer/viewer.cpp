@@ -327,7 +327,9 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   limit_ = stiffnessLimit(left_.kinematics, plant_->limits().effort, record.nearest.normal, overlay_.settings.delay);
   layout_ = split_ ? layOutSplit(surface_.size(), surface_.scale(), overlay_.panels)
                    : layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts,
-                            runner_ ? static_cast<int>(rendererNames_.size()) : 0);
+                            player_ ? 0
+                            : live_ ? -1
+                                    : static_cast<int>(rendererNames_.size()));
   placeCharts();
 }
 

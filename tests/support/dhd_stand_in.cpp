@@ -21,6 +21,7 @@ struct StandIn {
   std::unique_ptr<test::HeldDevice> device;
   Clock::time_point begin;
   Vec3 turn = Vec3::Zero();  // of the hand's target, axes of the SDK, rad
+  double placeZ = 0.0;       // of the hand, axis of W, m
 };
 StandIn s;
 
@@ -32,6 +33,7 @@ void advance() {
   if (now - s.device->time() > 0.1)
     s.begin = Clock::now() - std::chrono::microseconds(static_cast<long>(1e6 * (s.device->time() + 0.1)));
   s.device->turn = axes() * s.turn;
+  s.device->place.z() = s.placeZ;
   const Vec3 force = axes() * Eigen::Map<const Vec3>(s.wrench), moment = axes() * Eigen::Map<const Vec3>(s.wrench + 3);
   while (s.device->time() < std::chrono::duration<double>(Clock::now() - s.begin).count())
     s.device->advance(s.forces ? force : Vec3(Vec3::Zero()), s.forces && s.model == 7 ? moment : Vec3(Vec3::Zero()));
@@ -42,14 +44,20 @@ void advance() {
 #pragma GCC visibility push(default)
 extern "C" {
 
-// what: "model" (3, 6, 7), "count", "power", "button", "unplugged", "early", "turn-x", "turn-y", "turn-z".
+// what: "model" (3, 6, 7), "count", "power", "button", "unplugged", "early", "forces", "place-z",
+// "turn-x", "turn-y", "turn-z".
 void dhdStandIn(const char* what, double value) {
   const auto is = [what](const char* name) { return std::strcmp(what, name) == 0; };
   if (is("model")) s.model = static_cast<int>(value);
   if (is("count")) s.count = static_cast<int>(value);
   if (is("power")) s.hasPower = value != 0.0;
   if (is("button")) s.button = value != 0.0;
+  if (is("place-z")) s.placeZ = value;
   if (is("unplugged")) s.isUnplugged = value != 0.0;
+  if (s.isUnplugged) {  // nothing drives the motors any more
+    s.forces = false;
+    std::memset(s.wrench, 0, sizeof s.wrench);
+  }
   if (is("early")) s.isEarly = value != 0.0;
   if (is("forces")) s.forces = value != 0.0;
   for (int i = 0; i < 3; ++i)

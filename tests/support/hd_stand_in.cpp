@@ -76,6 +76,7 @@ extern "C" {
 void hdStandIn(const char* what, double value) {
   const Lock lock(s.mutex);
   s.faults[what] = value;
+  if (s.has("unplugged")) s.forces = false;  // nothing drives the motors any more
 }
 double hdStandInForce(int axis) {
   const Lock lock(s.mutex);
