@@ -145,10 +145,13 @@ Result run(const Rig& rig, double duration) {
         ++result.latched[static_cast<std::size_t>(fault)];
       }
       const bool isDeaf = active != nullptr && active->isDeaf;
-      if (now > latched + kRampOut && !isDeaf && force > 1e-6) ++(active != nullptr ? result.late : result.early);
+      // After such a fault, the force ends with the next frame.
+      const bool isHeard = !isDeaf && now > ended + 2.0 * kPeriod;
+      if (now > latched + kRampOut && isHeard && force > 1e-6) ++(active != nullptr ? result.late : result.early);
       if (active != nullptr || now < std::max(ended, latched) + kRest) continue;
       latched = -1.0;
-      if (fault == GuardReason::device) break;  // stop and start again
+      const Status status = body.tick().device;
+      if (fault == GuardReason::device || (status != Status::ok && status != Status::stale)) break;  // start again
       body.reset();
       for (int i = 0; i < 8 && haptics.guard().fault() != GuardReason::none; ++i) (void)body.step();
     }

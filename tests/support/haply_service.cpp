@@ -72,7 +72,7 @@ struct HaplyService::Server {
   }
 
   void run() {
-    (void)device.measure(sample_);  // a clock that the test advances may not have moved
+    (void)device.measure(sample_);      // a clock that the test advances may not have moved
     (void)system::requestRealtime(70);  // other programs on this machine are not part of the test
     while (!stops) {
       beast::error_code error;
