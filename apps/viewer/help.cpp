@@ -12,7 +12,8 @@ namespace enamel::viewer {
 void drawHelp(const Layout& layout, Source source, const Brush& brush) {
   std::vector<HelpRow> help;
   const auto add = [&](const auto& row) {
-    if (row.source == Source::both || row.source == source) help.push_back({row.keys, row.meaning});
+    if (row.source == Source::both || row.source == source || (row.source == Source::timed && source != Source::both))
+      help.push_back({row.keys, row.meaning});
   };
   for (const HelpRow& row : drivingRows()) add(row);
   for (const ActionRow& row : actionRows()) add(row);

@@ -23,6 +23,7 @@ class LiveDevice {
   const DeviceParameters& parameters() const noexcept { return parameters_; }
   const SceneFile& scene() const noexcept { return scene_; }
   const PeriodicTiming& timing() const noexcept { return session_->loop()->timing(); }
+  bool isPolled() const noexcept { return session_->opened().poll > 0.0; }  ///< several periods of timing() a tick
   Snapshot snapshot() const { return session_->snapshot(); }
 
   /// Return the newest frame; then the samples since the last call. A frame has no force of the hand, because no device

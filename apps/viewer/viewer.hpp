@@ -103,7 +103,6 @@ class Viewer final : public InputTarget {
 
   // viewer_actions.cpp
   bool isRefused(Source source);
-  bool actOnDevice(Action action);
   bool actOnRecording(Action action);
   bool actOnTool(Action action);
   bool actOnTime(Action action);

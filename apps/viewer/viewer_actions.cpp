@@ -34,7 +34,7 @@ int nextSlowdown(int factor, bool slower) {
 bool Viewer::isRefused(Source source) {
   if (source == Source::both) return false;
   if (live_) return notify("Not available while a device is connected."), true;
-  if ((source == Source::recording) == (player_ != nullptr)) return false;
+  if (source == Source::timed || (source == Source::recording) == (player_ != nullptr)) return false;
   notify(player_ ? "A recording cannot be changed." : "Available only in a recording (--play FILE).");
   return true;
 }
@@ -54,7 +54,7 @@ void Viewer::sendHand(RunnerCommand::Kind kind, const Vec3& target) {
 void Viewer::act(Action action) {
   if (isRefused(actionRows()[static_cast<std::size_t>(action)].source)) return;
   if (player_ && actOnRecording(action)) return;
-  if (live_ && actOnDevice(action)) return;
+  if (live_ && action == Action::reset) return live_->reset();
   if (motion_.isTouring() && action == Action::cancel) return endTour(true);
   if (motion_.isTouring() && endsTour(action)) endTour(true);
   if (!actOnTool(action) && !actOnTime(action)) actOnView(action);
@@ -79,20 +79,6 @@ bool Viewer::actOnRecording(Action action) {
       for (const double s : speeds)
         if (s < 0.999 * speed) player_->setSpeed(s);
       return true;
-    default: return false;
-  }
-}
-
-bool Viewer::actOnDevice(Action action) {
-  switch (action) {
-    case Action::reset:
-      live_->reset();
-      camera_.select(0);
-      return true;
-    case Action::pause:
-    case Action::step:
-    case Action::faster:
-    case Action::slower: return isRefused(Source::live);
     default: return false;
   }
 }
