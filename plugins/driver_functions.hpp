@@ -3,8 +3,10 @@
 
 #include <enamel/plugin/driver.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -44,6 +46,30 @@ inline std::int32_t checkEfforts(const double* effort, std::int32_t count, std::
     if (!std::isfinite(effort[i])) return ENAMEL_NOT_FINITE;
   return ENAMEL_OK;
 }
+
+/// Rates of positions: differences through a low pass of 100 Hz. The estimators of vendors use longer windows.
+class DriverRates {
+ public:
+  void reset() noexcept { isFirst_ = true; }
+
+  /// Fill in the rates of `joints` joints from m.q and m.time, which increases. The first ones are zero. Realtime: yes.
+  void add(EnamelMeasurement& m, std::int32_t joints) noexcept {
+    constexpr double kCutoff = 100.0, kTurn = 6.283185307179586;  // Hz, rad
+    const double elapsed = m.time - time_, gain = -std::expm1(-kTurn * kCutoff * elapsed);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(joints); ++i) {
+      rates_[i] = isFirst_ ? 0.0 : rates_[i] + gain * ((m.q[i] - last_[i]) / elapsed - rates_[i]);
+      last_[i] = m.q[i];
+      m.rates[i] = rates_[i];
+    }
+    time_ = m.time;
+    isFirst_ = false;
+  }
+
+ private:
+  bool isFirst_ = true;
+  double time_ = 0.0;  // s
+  std::array<double, ENAMEL_MAX_JOINTS> last_{}, rates_{};
+};
 
 /// Make the table of a device from a class with open(), close(), measure(m) and actuate(effort, count).
 template <typename Device>

@@ -12,10 +12,11 @@ namespace enamel {
 
 class VendorLibrary {
  public:
-  /// Open the first of these files that the system's loader finds. Throws std::runtime_error with the reason of each.
-  explicit VendorLibrary(const std::vector<std::string>& names) {
+  /// Open `file`; if it is "auto", the first of `names` that the system's loader finds. Throws std::runtime_error with
+  /// the reason of each.
+  VendorLibrary(const std::string& file, const std::vector<std::string>& names) {
     std::string reasons;
-    for (const std::string& name : names) {
+    for (const std::string& name : file == "auto" ? names : std::vector<std::string>{file}) {
       handle_.reset(dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL));
       if (handle_) return;
       reasons += (reasons.empty() ? "" : "; ") + std::string(dlerror());

@@ -68,7 +68,7 @@ bool keepsContract(const CheckOptions& options) {
     setup.devicePath = options.device;
   ConformanceOptions conformance;
 #ifdef ENAMEL_COUNTS_ALLOCATIONS
-  conformance.allocationCount = &allocationCount;
+  conformance.allocationCount = &threadAllocationCount;
 #endif
   return checkPlugin(PluginLibrary::load(options.file), setup, conformance, printCheck);
 }
@@ -79,7 +79,7 @@ bool keepsDriverContract(const CheckOptions& options) {
   conformance.address = url.address;
   conformance.options = url.options;
 #ifdef ENAMEL_COUNTS_ALLOCATIONS
-  conformance.allocationCount = &allocationCount;
+  conformance.allocationCount = &threadAllocationCount;
 #endif
   return checkDriver(findDriver(options.file, pluginFolder()), conformance, printCheck);
 }

@@ -45,8 +45,9 @@ enum class Action : std::uint8_t {
   quit,
 };
 
-/// Where an action applies: a live run, a recording, or both.
-enum class Source : std::uint8_t { both, live, recording };
+/// Where an action applies: everywhere (`both`), to a simulated run, to a recording, or to these two (`timed`), whose
+/// time the viewer controls. A connected device has only `both`.
+enum class Source : std::uint8_t { both, live, recording, timed };
 
 /// A row of the help, of the key bindings and of the script's vocabulary.
 struct ActionRow {

@@ -23,7 +23,9 @@ void drawStatus(float right, float y, const OverlayInput& input, const Frame& fr
   if (frame.record.status != Status::ok) chip = std::string("fault: ") + toString(frame.record.status), fill = kInk;
   if (frame.record.guard != GuardReason::none)
     chip = std::string("guard: ") + toString(frame.record.guard) +
-           (isFault(frame.record.guard) && player == nullptr ? "; select it again" : ""),
+           (!isFault(frame.record.guard) || player != nullptr ? ""
+            : input.live != nullptr                           ? "; Backspace continues"
+                                                              : "; select it again"),
     fill = kInk;
   if (player != nullptr && player->gap() > 0)
     chip = format("%llu ticks missing here", static_cast<unsigned long long>(player->gap())), fill = kInk;

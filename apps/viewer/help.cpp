@@ -9,10 +9,10 @@
 
 namespace enamel::viewer {
 
-void drawHelp(const Layout& layout, bool recording, const Brush& brush) {
+void drawHelp(const Layout& layout, Source source, const Brush& brush) {
   std::vector<HelpRow> help;
   const auto add = [&](const auto& row) {
-    if (row.source == Source::both || (row.source == Source::recording) == recording)
+    if (row.source == Source::both || row.source == source || (row.source == Source::timed && source != Source::both))
       help.push_back({row.keys, row.meaning});
   };
   for (const HelpRow& row : drivingRows()) add(row);
@@ -30,7 +30,7 @@ void drawHelp(const Layout& layout, bool recording, const Brush& brush) {
   brush.list->AddRectFilled({0, 0}, {w, h}, ink(kInk, 0.25));
   brush.box(card, 1.0);
   text(gFonts.large, card.x + 20 * s, card.y + 12 * s, kInk,
-       recording ? "Play a recording" : "Push the tool against the wall");
+       source == Source::recording ? "Play a recording" : "Push the tool against the wall");
   for (std::size_t i = 0; i < all; ++i) {
     const bool second = i >= left;
     const float x = card.x + 20 * s + (second ? 0.53f * wide : 0.0f);

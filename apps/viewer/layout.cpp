@@ -10,7 +10,7 @@ Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int
   layout.size = size;
   const float w = static_cast<float>(size.x), h = static_cast<float>(size.y);
   const float panel = 248 * scale, column = 372 * scale,
-              gauge = renderers == 0 ? 0.0f : (106 + kGaugeRow * static_cast<float>(renderers)) * scale,
+              gauge = renderers <= 0 ? 0.0f : (106 + kGaugeRow * static_cast<float>(renderers)) * scale,
               bar = renderers == 0 && h >= 200 * scale ? 46 * scale : 0.0f;
   const float sceneLeast = 300 * scale;
   const bool showCharts = charts && w >= column + sceneLeast && h >= 420 * scale;

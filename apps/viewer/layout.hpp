@@ -13,8 +13,8 @@ struct Rect {
   float x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Positions of all parts. layOut(): for a size and a scale; `renderers` is their number in the gauge. 0: a recording,
-/// with a time bar and no gauge.
+/// Positions of all parts. layOut(): for a size and a scale; `renderers` is their number in the gauge. -1: a connected
+/// device, 0: a recording, with a time bar and no gauge.
 struct Layout {
   float scale = 1.0f;
   glm::ivec2 size{0};

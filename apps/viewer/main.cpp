@@ -3,6 +3,7 @@
 #include <string>
 
 #include "data_folder.hpp"
+#include "enamel/session/open_device.hpp"
 #include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
@@ -28,7 +29,8 @@ void runViewer(int argc, char** argv) {
   std::vector<std::string> set;
   CLI::Option* const live[] = {
       app.add_option("scene", options.scene, "scene file (TOML)"),
-      app.add_option("--device", options.device, "device file (TOML)"),
+      app.add_option("--device", options.device,
+                     "device file (TOML), or the URL of a device that your hand moves, as in enamel device --connect"),
       app.add_option("--renderer", renderer,
                      "first renderer: position-control (slides, never pulls; default), impedance, hold "
                      "(the paper's controller), passivity (the spring with passivity control), or the name or path of "
@@ -56,6 +58,9 @@ void runViewer(int argc, char** argv) {
       ->excludes(headless);
   enamel::app::addOverwrite(app, options.overwrite, {"--report"});
   if (!enamel::app::parse(app, kProgram, argc, argv)) return;
+  const bool isConnected = enamel::isDeviceUrl(options.device);
+  if (isConnected && !options.gain.empty()) throw enamel::Error("--gain is for simulated devices (--device FILE)");
+  if (!renderer.empty()) options.renderer = renderer;
   const auto linked = rendererNames(nullptr);
   const auto found = std::find(linked.begin(), linked.end(), renderer);
   if (renderer.empty()) {

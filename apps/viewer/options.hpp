@@ -11,9 +11,10 @@
 namespace enamel::viewer {
 
 struct Options {
-  std::string play;  ///< recording; if empty, the following apply:
-  std::string scene, device;
-  std::string gain;  ///< file; empty: see loadServoedDevice()
+  std::string play;                           ///< recording; if empty, the following apply:
+  std::string scene, device;                  ///< device: file, or URL of a connected device
+  std::string renderer = "position-control";  ///< of a connected device, as in SessionDef
+  std::string gain;                           ///< file; empty: see loadServoedDevice()
   RendererSlot begin = RendererSlot::positionControl;
   std::shared_ptr<const PluginLibrary> plugin;  ///< may be nullptr
   std::map<std::string, std::string> pluginParameters;

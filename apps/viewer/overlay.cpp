@@ -70,7 +70,7 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
                    : "> 1000",
        "kN/m", "hand force / depth now", kInk},
   };
-  const int count = input.player != nullptr ? 2 : 4;  // a recording does not contain the hand
+  const int count = input.knowsHand() ? 4 : 2;
   float y = area.y + area.height - static_cast<float>(count) * 46 * s - 14 * s;
   const float x = area.x + 18 * s;
   float wide = 0.0f;
@@ -159,14 +159,14 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
     drawSplitScreen(layout, input, state, brush);
     if (input.elapsed.tour >= 0.0) drawTour(layout, input.elapsed.tour, brush);
   } else {
-    const float s = layout.scale, numbers = (input.player != nullptr ? 106 : 198) * s;
+    const float s = layout.scale, numbers = (input.knowsHand() ? 198 : 106) * s;
     const Rect& scene = layout.scene;
     drawNames(scene,
               {{scene.x, scene.y, scene.width, 70 * s},
                {scene.x, scene.y + scene.height - numbers, 260 * s, numbers},
                drillBox(layout, input),
                layout.inset},
-              input.camera, input.left.frame, input.player == nullptr, brush);
+              input.camera, input.left.frame, input.knowsHand(), brush);
     drawHeader(layout, input, brush);
     drawNumbers(layout, input, brush);
     if (layout.inset.width > 0)
@@ -183,7 +183,12 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
   drawTips(layout, input, state);
   if (!state.tip.seen) state.tip.text.clear();
   if (!state.notice.empty()) drawNotice(layout, state.notice, brush);
-  if (state.help) drawHelp(layout, input.player != nullptr, Brush{ImGui::GetForegroundDrawList(), layout.scale});
+  if (state.help)
+    drawHelp(layout,
+             input.player != nullptr ? Source::recording
+             : input.live != nullptr ? Source::both
+                                     : Source::live,
+             Brush{ImGui::GetForegroundDrawList(), layout.scale});
 }
 
 }  // namespace enamel::viewer

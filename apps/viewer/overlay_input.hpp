@@ -13,6 +13,7 @@
 #include "compare.hpp"
 #include "experiment.hpp"
 #include "layout.hpp"
+#include "live_device.hpp"
 #include "player.hpp"
 #include "torque_style.hpp"
 
@@ -103,7 +104,8 @@ struct ElapsedInput {
 struct OverlayInput {
   ToolInput left;
   std::optional<ToolInput> right;  ///< in the split screen
-  const Player* player;            ///< source of the frame; nullptr: a live run
+  const Player* player;            ///< source of the frame; nullptr: no recording
+  const LiveDevice* live;          ///< source of the frame; nullptr: no connected device
   DeviceInput device;
   SceneInput scene;
   std::optional<BurInput> bur;     ///< the tool of a live run
@@ -113,6 +115,9 @@ struct OverlayInput {
   const char* cameraName;
   TimingNumbers timing;
   ElapsedInput elapsed;
+
+  /// Return whether the force of the hand is known: only in a simulation.
+  bool knowsHand() const { return player == nullptr && live == nullptr; }
 };
 
 }  // namespace enamel::viewer

@@ -79,7 +79,7 @@ void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& br
 /// time_bar.cpp: of a recording.
 void drawTimeBar(const Layout& layout, const OverlayInput& input, const Brush& brush);
 
-/// help.cpp: over everything.
-void drawHelp(const Layout& layout, bool recording, const Brush& brush);
+/// help.cpp: over everything. `source`: of the frame; both: a connected device.
+void drawHelp(const Layout& layout, Source source, const Brush& brush);
 
 }  // namespace enamel::viewer

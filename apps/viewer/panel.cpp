@@ -52,6 +52,24 @@ void drawPlayerControls(const OverlayInput& input, OverlayState& state, float s,
   remark("Drag the bar below to any time. F1 lists every key.");
 }
 
+void drawLiveDevice(const OverlayInput& input, OverlayState& state, float s, float whole) {
+  const Snapshot now = input.live->snapshot();
+  heading("Device");
+  ImGui::TextWrapped("%s", input.live->url().c_str());
+  remark(format("Renderer %s on %s.", input.live->renderer().c_str(), input.device.name.c_str()));
+  remark(now.enabled ? "The device is enabled." : "The device is not enabled: no forces.",
+         now.enabled ? kMuted : kWrong);
+  if (now.fault != GuardReason::none) remark(format("Stopped by the guard: %s.", toString(now.fault)), kWrong);
+  actionButtons(state, {{"continue", false, Action::reset, "Continue after a fault of the guard (Backspace)."}}, s,
+                whole);
+
+  heading("View");
+  drawViews(input, state, whole);
+  for (const std::string& note : state.sceneNotes) remark(note);
+  ImGui::Dummy({0, 4 * s});
+  remark("Your hand on the device moves the tool. F1 lists every key.");
+}
+
 // Return whether a shown tool uses this linked renderer.
 bool shows(const OverlayInput& input, RendererSlot slot) {
   return (input.left.frame.selected == slot || (input.right && input.right->frame.selected == slot)) &&
@@ -231,7 +249,7 @@ void drawDevice(OverlayState& state, float whole) {
   state.asked.settings |= rate >= 0;
 }
 
-void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, float whole) {
+void drawRunControls(const OverlayInput& input, OverlayState& state, float s, float whole) {
   const Frame& frame = input.left.frame;
   drawRendererChoice(input, state, s, whole);
   drawRendererSettings(input, state);
@@ -271,7 +289,10 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   const float whole = ImGui::GetContentRegionAvail().x;
   state.controls.clear();
-  (input.player != nullptr ? drawPlayerControls : drawLiveControls)(input, state, layout.scale, whole);
+  const auto draw = input.player != nullptr ? drawPlayerControls
+                    : input.live != nullptr ? drawLiveDevice
+                                            : drawRunControls;
+  draw(input, state, layout.scale, whole);
   ImGui::End();
 }
 

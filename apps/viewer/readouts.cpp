@@ -117,7 +117,9 @@ void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& br
     shares(t.interval);
     line(format("computing a tick  median %.1f \u00b5s, p99.9 %.1f", 1e6 * t.computeMedian, 1e6 * t.computeHigh));
     shares(t.compute);
-    line(format("missed %llu of %llu ticks", t.missed, t.missed + t.periods), t.missed > 0 ? kWrong : kInk);
+    const bool isPolled = input.live != nullptr && input.live->isPolled();
+    line(format("missed %llu of %llu %s", t.missed, t.missed + t.periods, isPolled ? "polls" : "ticks"),
+         t.missed > 0 ? kWrong : kInk);
     line(format("%.0f pictures/s", t.framesPerSecond));
   } else {
     line(input.player != nullptr ? "a recording: no haptic thread" : "simulated time: no haptic thread");

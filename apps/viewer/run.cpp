@@ -147,7 +147,10 @@ int runInWindow(const Options& options, double started) {
   {
     std::optional<PeriodicThread> haptics;
     if (Runner* const runner = viewer.runner()) haptics.emplace(kPeriod, [runner] { runner->period(); });
-    const auto timing = [&] { return haptics ? numbersOf(haptics->timing(), rate) : TimingNumbers{}; };
+    const auto timing = [&] {
+      if (viewer.live() != nullptr) return numbersOf(viewer.live()->timing(), rate);
+      return haptics ? numbersOf(haptics->timing(), rate) : TimingNumbers{};
+    };
     bool scripted = false;
     HapticPace pace(1.0 / options.frameRate);
     while (glfwWindowShouldClose(surface->window()) == GLFW_FALSE && !viewer.wantsToEnd() && signals.caught() == 0) {
@@ -210,6 +213,8 @@ int runHeadless(const Options& options, double started) {
   int recorded = 0, recordEvery = 0;
   for (std::uint64_t frame = 0; !viewer.wantsToEnd() && signals.caught() == 0; ++frame) {
     const double now = static_cast<double>(frame) * kFrame;
+    if (viewer.live() != nullptr)  // a device runs in real time
+      std::this_thread::sleep_for(std::chrono::duration<double>(begin + now - steadySeconds()));
     script.play(now, [&](const ScriptStep& step) {
       if (step.kind == ScriptStep::Kind::frames)
         recordEvery = step.number == 0 ? 0 : std::max(1, 60 / step.number);

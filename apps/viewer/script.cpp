@@ -168,7 +168,7 @@ ScriptStep parseStep(Line& line) {
   const std::string command = line.word("command");
   const bool recording = line.renderers().empty();
   const auto check = [&](Source source) {
-    if (source != Source::both && (source == Source::recording) != recording)
+    if (source != Source::both && source != Source::timed && (source == Source::recording) != recording)
       line.fail(command, recording ? "is not available for a recording" : "is for recordings only: give --play");
   };
   if (const ActionRow* row = actionOfName(command); row != nullptr) {

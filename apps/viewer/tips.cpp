@@ -55,7 +55,7 @@ void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& sta
   for (std::size_t i = 0; i < kCharts; ++i)
     if (layout.charts.width > 0 && has(layout.chart[i], at)) return showTip(state, kChartTip[i]);
   if (layout.gauge.width > 0 && has(layout.gauge, at)) return showTip(state, kGaugeTip);
-  const int count = input.player != nullptr ? 2 : 4;  // as in drawNumbers()
+  const int count = input.knowsHand() ? 4 : 2;  // as in drawNumbers()
   const float row = 46 * s, top = scene.y + scene.height - static_cast<float>(count) * row - 14 * s;
   if (has({scene.x + 18 * s, top, 150 * s, static_cast<float>(count) * row}, at))
     return showTip(state, kNumberTip[static_cast<std::size_t>((at.y - top) / row)]);

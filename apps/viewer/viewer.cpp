@@ -11,6 +11,7 @@
 #include "enamel/sim/plant_maker.hpp"
 #include "overlay.hpp"
 #include "overlay_parts.hpp"
+#include "program/plugin_folder.hpp"
 #include "program/recorded.hpp"
 #include "scan.hpp"
 
@@ -32,10 +33,21 @@ Hand handAt(const Vec3& position, const Grip& grip) {
   return hand;
 }
 
-ServoedDevice deviceOf(const Player* player, const Options& options) {
+std::unique_ptr<LiveDevice> connect(const Options& options) {
+  if (!options.play.empty() || !isDeviceUrl(options.device)) return nullptr;
+  SessionDef def;
+  def.device = options.device;
+  def.scene = options.scene;
+  def.renderer = options.renderer;
+  def.parameters = options.pluginParameters;
+  def.pluginFolder = app::pluginFolder();
+  return std::make_unique<LiveDevice>(def, options.begin);
+}
+
+ServoedDevice deviceOf(const Player* player, const LiveDevice* live, const Options& options) {
   ServoedDevice device;
-  if (player != nullptr) {
-    device.parameters = player->parameters();
+  if (player != nullptr || live != nullptr) {
+    device.parameters = player != nullptr ? player->parameters() : live->parameters();
     return device;
   }
   device = loadServoedDevice(options.device, options.gain);
@@ -70,10 +82,10 @@ RecordingHeader headerOf(const ServoedDevice& device, const std::string& scenePa
   header.start = start;
   const bool isPlugin = device.plugin && slotOf(*device.plugin) == slot;
   nameRenderer(rendererNames(device.plugin.get())[indexOf(slot)], isPlugin ? device.plugin->path() : "",
-                    isPlugin || slot != RendererSlot::positionControl
-                        ? std::map<std::string, std::string>{}
-                        : std::map<std::string, std::string>{{"drive", drivesOf(kClosedForm)}},
-                    scene.scene, header);
+               isPlugin || slot != RendererSlot::positionControl
+                   ? std::map<std::string, std::string>{}
+                   : std::map<std::string, std::string>{{"drive", drivesOf(kClosedForm)}},
+               scene.scene, header);
   return header;
 }
 
@@ -83,7 +95,8 @@ Viewer::Viewer(const Options& options, Surface& surface)
     : isHeadless_(options.headless),
       surface_(surface),
       player_(options.play.empty() ? nullptr : std::make_unique<Player>(options.play)),
-      device_(deviceOf(player_.get(), options)),
+      live_(connect(options)),
+      device_(deviceOf(player_.get(), live_.get(), options)),
       rendererNames_(viewer::rendererNames(options.plugin.get())),
       plant_(makeMechanism(changed(device_.parameters, Settings{}))),
       torques_(*plant_),
@@ -93,7 +106,7 @@ Viewer::Viewer(const Options& options, Surface& surface)
       renderers_(options.begin),
       drilledSolids_(std::make_shared<DrilledSolids>(scene_)),
       solids_(copiesOf(scene_)),
-      runner_(player_ ? nullptr : firstRunner(device_, scene_, renderers_.selected, drilledSolids_)),
+      runner_(player_ || live_ ? nullptr : firstRunner(device_, scene_, renderers_.selected, drilledSolids_)),
       canvas_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
       charts_(canvas_.charts(), existing(ENAMEL_VIEWER_FONT), torques_,
               player_ ? player_->header().guard.period : kPeriod, player_ != nullptr) {
@@ -108,10 +121,11 @@ Viewer::Viewer(const Options& options, Surface& surface)
     if (!player_->notes().empty()) notify(player_->notes().front());
     return;
   }
+  overlay_.sceneNotes = scene_.notes;
+  if (live_) return;
   scenes_.addFolder(std::filesystem::path(dataFolder()) / "scenes");
   scenes_.addFolder(std::filesystem::absolute(options.scene).parent_path());
   scenes_.add(options.scene);
-  overlay_.sceneNotes = scene_.notes;
 }
 
 glm::dvec3 Viewer::tool() const { return millimetres(left_.frame.record.pose.position); }
@@ -241,6 +255,20 @@ void Viewer::takeRecording(double passed) {
       trail_.push_back(position);
 }
 
+void Viewer::takeDevice() {
+  left_.frame = live_->frame();
+  for (Sample sample; live_->nextSample(sample);) {
+    charts_.add(sample);
+    trail_.push_back(sample.position);
+    simulated_ += kPeriod;
+  }
+  if (trail_.size() > kTrail) trail_.erase(trail_.begin(), trail_.end() - static_cast<std::ptrdiff_t>(kTrail));
+  const GuardReason fault = live_->snapshot().fault;
+  if (fault != fault_ && fault != GuardReason::none)
+    notify(std::string("Stopped by the guard: ") + toString(fault) + ". Backspace continues.");
+  fault_ = fault;
+}
+
 // Perform the requests of the overlay.
 void Viewer::takeRequests() {
   OverlayRequests& asked = overlay_.asked;
@@ -260,7 +288,7 @@ void Viewer::fillShown(Pane& pane) const {
   if (plant_->reach(frame.record.pose, Vec6::Zero(), true, pane.kinematics) == Status::ok)
     shown.bars = plant_->bars(pane.kinematics.pose);
   shown.pose = pane.kinematics.pose;
-  if (!player_) shown.hand = frame.hand.position;  // a recording does not contain it
+  if (runner_) shown.hand = frame.hand.position;
   shown.force = frame.record.rendered.head<3>();
   shown.touching.clear();
   for (int i = 0; i < frame.contacts.count; ++i) {
@@ -284,6 +312,8 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   timing_ = timing;
   if (player_)
     takeRecording(passed);
+  else if (live_)
+    takeDevice();
   else
     takeRun();
   takeRequests();
@@ -297,7 +327,9 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   limit_ = stiffnessLimit(left_.kinematics, plant_->limits().effort, record.nearest.normal, overlay_.settings.delay);
   layout_ = split_ ? layOutSplit(surface_.size(), surface_.scale(), overlay_.panels)
                    : layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts,
-                            player_ ? 0 : static_cast<int>(rendererNames_.size()));
+                            player_ ? 0
+                            : live_ ? -1
+                                    : static_cast<int>(rendererNames_.size()));
   placeCharts();
 }
 
@@ -356,6 +388,7 @@ OverlayInput Viewer::overlayInput() const {
       toolOf(left_),
       std::nullopt,
       player_.get(),
+      live_.get(),
       {plant_->name(), torques_, limit_, device_.plugin.get()},
       {scene_.name, scenes_.names(), scenes_.index(), scene_.tool.parts[0].radius, plane_.has_value()},
       std::nullopt,

@@ -30,7 +30,8 @@ class Viewer final : public InputTarget {
   /// Load scene and device, design the servo and build the picture, or open the recording. Throws Error.
   Viewer(const Options& options, Surface& surface);
 
-  Runner* runner() { return runner_.get(); }  ///< nullptr if a recording is played
+  Runner* runner() { return runner_.get(); }  ///< nullptr if a recording is played or a device is connected
+  LiveDevice* live() { return live_.get(); }  ///< nullptr if no device is connected
   Canvas& canvas() { return canvas_; }
   const Frame& frame() const { return left_.frame; }
   Camera& camera() override { return camera_.camera(); }
@@ -127,6 +128,7 @@ class Viewer final : public InputTarget {
   void takeRun();
   void takeSolids();
   void takeRecording(double passed);
+  void takeDevice();
   void takeRequests();
   void fillShown(Pane& pane) const;
   void placeCharts();
@@ -136,7 +138,8 @@ class Viewer final : public InputTarget {
 
   bool isHeadless_;
   Surface& surface_;
-  std::unique_ptr<Player> player_;  // may be nullptr
+  std::unique_ptr<Player> player_;    // may be nullptr
+  std::unique_ptr<LiveDevice> live_;  // may be nullptr
   ServoedDevice device_;
   std::vector<std::string> rendererNames_;
   std::shared_ptr<const Mechanism> plant_;  // with the person's changes
@@ -152,7 +155,7 @@ class Viewer final : public InputTarget {
   std::optional<CutPlane> plane_;
   bool spins_ = false;
   BurView bur_;
-  std::unique_ptr<Runner> runner_;  // null if there is a player
+  std::unique_ptr<Runner> runner_;  // null if there is a player or a connected device
   Recording recording_;
   Canvas canvas_;
   Pane left_, right_;
@@ -170,7 +173,8 @@ class Viewer final : public InputTarget {
   bool paused_ = false, end_ = false, fullScreen_ = false;
   int slowdown_ = 1;
   bool wantsClip_ = false;
-  double clip_ = -1.0;  // s
+  double clip_ = -1.0;                     // s
+  GuardReason fault_ = GuardReason::none;  // of a connected device, as notified
   std::vector<std::string> pictures_;
   DisplayHistory history_;
 };

@@ -32,7 +32,9 @@ int nextSlowdown(int factor, bool slower) {
 }  // namespace
 
 bool Viewer::isRefused(Source source) {
-  if (source == Source::both || (source == Source::recording) == (player_ != nullptr)) return false;
+  if (source == Source::both) return false;
+  if (live_) return notify("Not available while a device is connected."), true;
+  if (source == Source::timed || (source == Source::recording) == (player_ != nullptr)) return false;
   notify(player_ ? "A recording cannot be changed." : "Available only in a recording (--play FILE).");
   return true;
 }
@@ -52,6 +54,7 @@ void Viewer::sendHand(RunnerCommand::Kind kind, const Vec3& target) {
 void Viewer::act(Action action) {
   if (isRefused(actionRows()[static_cast<std::size_t>(action)].source)) return;
   if (player_ && actOnRecording(action)) return;
+  if (live_ && action == Action::reset) return live_->reset();
   if (motion_.isTouring() && action == Action::cancel) return endTour(true);
   if (motion_.isTouring() && endsTour(action)) endTour(true);
   if (!actOnTool(action) && !actOnTime(action)) actOnView(action);
@@ -201,7 +204,7 @@ void Viewer::toggleSplit() {
 // On any other shape the hand would slide off.
 bool Viewer::canTour() const {
   const auto& obstacles = scene_.scene.obstacles();
-  return !player_ && !scene_.bur && obstacles.size() == 1 && std::holds_alternative<HalfSpace>(obstacles[0].shape);
+  return runner_ && !scene_.bur && obstacles.size() == 1 && std::holds_alternative<HalfSpace>(obstacles[0].shape);
 }
 
 // Start the tour at the scene's start, at rest, with position control and the spring.
@@ -336,6 +339,18 @@ std::vector<std::string> Viewer::takePictures() {
 
 void Viewer::follow(const ScriptStep& step, double now) {
   now_ = now;
+  switch (step.kind) {  // a connected device has no simulated hand, renderers, settings and time
+    case ScriptStep::Kind::hand:
+    case ScriptStep::Kind::renderer:
+    case ScriptStep::Kind::right:
+    case ScriptStep::Kind::set:
+    case ScriptStep::Kind::scene:
+    case ScriptStep::Kind::slowdown:
+    case ScriptStep::Kind::seek:
+      if (live_) return notify("Not available while a device is connected.");
+      break;
+    default: break;
+  }
   switch (step.kind) {
     case ScriptStep::Kind::action: act(step.action); break;
     case ScriptStep::Kind::hand:

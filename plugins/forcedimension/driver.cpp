@@ -17,7 +17,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kCutoff = 100.0;      // Hz, of the rates: the SDK's own estimator has a window of many samples
 constexpr int kStatusTicks = 20;       // the status is read once in so many samples
 constexpr int kTimeGuard = 1;          // result: called too early, nothing was read
 constexpr int kPower = 0, kForce = 5;  // in the status
@@ -44,9 +43,7 @@ const Matrix3d kAxes = (Matrix3d() << 0, 1, 0, 0, 0, 1, 1, 0, 0).finished();
 
 // The functions of the SDK that the driver uses. The last parameter is the number of the device.
 struct Sdk {
-  explicit Sdk(const std::string& file)
-      : library(file == "auto" ? std::vector<std::string>{"libdhd.so.3", "libdhd.so"}
-                               : std::vector<std::string>{file}) {
+  explicit Sdk(const std::string& file) : library(file, {"libdhd.so.3", "libdhd.so"}) {
     library.bind("dhdGetDeviceCount", deviceCount);
     library.bind("dhdOpenID", openId);
     library.bind("dhdClose", close);
@@ -122,6 +119,7 @@ class Device {
       throw std::runtime_error("the " + name() + " does not switch its forces on: " + sdk_.lastError());
     isOpen_ = true;
     samples_ = 0;
+    rates_.reset();
   }
   void close() noexcept {
     (void)sdk_.setWrench(0, 0, 0, 0, 0, 0, 0, id_);
@@ -135,11 +133,11 @@ class Device {
     double rotation[3][3];
     const int result = sdk_.pose(&position[0], &position[1], &position[2], rotation, id_);
     if (result < 0) return ENAMEL_INACTIVE;
-    const double time = driverClock(), elapsed = time - time_;
-    if (result == kTimeGuard || !(elapsed > 0.0)) return ENAMEL_STALE;
+    const double time = driverClock();
+    if (result == kTimeGuard || !(time > time_)) return ENAMEL_STALE;
     std::memset(&m, 0, sizeof m);
     m.size = sizeof m;
-    m.time = time;
+    m.time = time_ = time;
     Eigen::Map<Vector3d>(m.q) = kAxes * position;
     if (hasWrist_) {
       const Matrix3d frame = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation[0]);
@@ -147,14 +145,7 @@ class Device {
       turn_ = turn.angle() * turn.axis();
       Eigen::Map<Vector3d>(m.q + 3) = turn_;
     }
-    const double gain = samples_ > 0 ? -std::expm1(-2.0 * M_PI * kCutoff * elapsed) : 0.0;
-    for (int i = 0; i < joints(); ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      rates_[k] = samples_ > 0 ? rates_[k] + gain * ((m.q[i] - last_[k]) / elapsed - rates_[k]) : 0.0;
-      last_[k] = m.q[i];
-      m.rates[i] = rates_[k];
-    }
-    time_ = time;
+    rates_.add(m, joints());
     if (samples_++ % kStatusTicks == 0) {
       std::array<int, 64> status{};
       if (sdk_.status(status.data(), id_) < 0) return ENAMEL_INACTIVE;
@@ -185,7 +176,7 @@ class Device {
   std::uint64_t samples_ = 0;  // since open()
   double time_ = 0.0;          // of the last sample, s
   Vector3d turn_ = Vector3d::Zero();
-  std::array<double, 6> last_{}, rates_{};
+  DriverRates rates_;
 };
 
 std::int32_t list(EnamelMessage devices, EnamelMessage message) noexcept {

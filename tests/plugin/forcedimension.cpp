@@ -27,7 +27,7 @@ class StandIn {
     REQUIRE(handle_ != nullptr);
     set_ = reinterpret_cast<void (*)(const char*, double)>(dlsym(handle_, "dhdStandIn"));
     wrench_ = reinterpret_cast<double (*)(int)>(dlsym(handle_, "dhdStandInForce"));
-    for (const char* fault : {"unplugged", "early", "button", "turn-x", "turn-y", "turn-z"}) set(fault, 0.0);
+    for (const char* fault : {"unplugged", "early", "button", "turn-x", "turn-y", "turn-z", "place-z"}) set(fault, 0.0);
     set("power", 1.0);
     set("count", 1.0);
     set("model", 3.0);

@@ -5,8 +5,7 @@
 #include <cstring>
 #include <memory>
 
-#include "enamel/device/device_file.hpp"
-#include "enamel/sim/virtual_device.hpp"
+#include "support/held_device.hpp"
 
 using namespace enamel;
 
@@ -19,49 +18,25 @@ struct StandIn {
   int count = 1;
   bool isOpen = false, hasPower = true, forces = false, button = false, isUnplugged = false, isEarly = false;
   double wrench[7] = {};
-  std::shared_ptr<const Mechanism> mechanism;
-  std::unique_ptr<VirtualDevice> device;
+  std::unique_ptr<test::HeldDevice> device;
   Clock::time_point begin;
-  Measurement sample;
   Vec3 turn = Vec3::Zero();  // of the hand's target, axes of the SDK, rad
+  double placeZ = 0.0;       // of the hand, axis of W, m
 };
 StandIn s;
 
 Mat3 axes() { return (Mat3() << 0, 1, 0, 0, 0, 1, 1, 0, 0).finished(); }  // world = axes * sdk
 
-// Simulate to the present, at most 0.1 s. The hand holds the device at the middle, turned by `turn`.
+// Simulate to the present, at most 0.1 s.
 void advance() {
   const double now = std::chrono::duration<double>(Clock::now() - s.begin).count();
   if (now - s.device->time() > 0.1)
     s.begin = Clock::now() - std::chrono::microseconds(static_cast<long>(1e6 * (s.device->time() + 0.1)));
-  while (s.device->time() < std::chrono::duration<double>(Clock::now() - s.begin).count()) {
-    (void)s.device->measure(s.sample);
-    Command command{JointVector::Zero(s.mechanism->joints())};
-    if (s.forces) {
-      const Vec3 f = axes() * Eigen::Map<const Vec3>(s.wrench), t = axes() * Eigen::Map<const Vec3>(s.wrench + 3);
-      command.effort.head<3>() = f;
-      // tau = J^T F at the present turn.
-      if (s.model == 7) {
-        Vec6 wrench;
-        wrench << f, t;
-        command.effort = torqueOf(s.device->kinematics().jacobian, wrench);
-      }
-    }
-    (void)s.device->actuate(command);
-    const Mat3 target =
-        axes() *
-        Eigen::AngleAxisd(s.turn.norm(), s.turn.norm() > 0 ? Vec3(s.turn.normalized()) : Vec3(Vec3::UnitX()))
-            .toRotationMatrix() *
-        axes().transpose();
-    (void)s.device->advance([&](double, const Pose& pose, const Vec6& twist) {
-      Vec6 wrench;
-      const Eigen::AngleAxisd left(Mat3(target * pose.rotation.transpose()));
-      wrench << -100.0 * pose.position - 5.0 * twist.head<3>(),
-          0.2 * left.angle() * left.axis() - 0.02 * twist.tail<3>();
-      if (s.mechanism->joints() == 3) wrench.tail<3>().setZero();
-      return wrench;
-    });
-  }
+  s.device->turn = axes() * s.turn;
+  s.device->place.z() = s.placeZ;
+  const Vec3 force = axes() * Eigen::Map<const Vec3>(s.wrench), moment = axes() * Eigen::Map<const Vec3>(s.wrench + 3);
+  while (s.device->time() < std::chrono::duration<double>(Clock::now() - s.begin).count())
+    s.device->advance(s.forces ? force : Vec3(Vec3::Zero()), s.forces && s.model == 7 ? moment : Vec3(Vec3::Zero()));
 }
 
 }  // namespace
@@ -69,14 +44,20 @@ void advance() {
 #pragma GCC visibility push(default)
 extern "C" {
 
-// what: "model" (3, 6, 7), "count", "power", "button", "unplugged", "early", "turn-x", "turn-y", "turn-z".
+// what: "model" (3, 6, 7), "count", "power", "button", "unplugged", "early", "forces", "place-z",
+// "turn-x", "turn-y", "turn-z".
 void dhdStandIn(const char* what, double value) {
   const auto is = [what](const char* name) { return std::strcmp(what, name) == 0; };
   if (is("model")) s.model = static_cast<int>(value);
   if (is("count")) s.count = static_cast<int>(value);
   if (is("power")) s.hasPower = value != 0.0;
   if (is("button")) s.button = value != 0.0;
+  if (is("place-z")) s.placeZ = value;
   if (is("unplugged")) s.isUnplugged = value != 0.0;
+  if (s.isUnplugged) {  // nothing drives the motors any more
+    s.forces = false;
+    std::memset(s.wrench, 0, sizeof s.wrench);
+  }
   if (is("early")) s.isEarly = value != 0.0;
   if (is("forces")) s.forces = value != 0.0;
   for (int i = 0; i < 3; ++i)
@@ -87,13 +68,8 @@ double dhdStandInForce(int axis) { return s.wrench[axis]; }
 int dhdGetDeviceCount() { return s.count; }
 int dhdOpenID(char index) {
   if (index >= s.count) return -1;
-  const char* const files[] = {"omega-3", "omega-6", "sigma-7"};
-  const char* const file = files[s.model == 3 ? 0 : s.model == 6 ? 1 : 2];
-  s.mechanism = makeMechanism(loadDevice(std::string(ENAMEL_SOURCE_DIR "/data/devices/") + file + ".toml"));
-  VirtualDeviceSetup setup;
-  setup.period = 2.5e-4;
-  setup.encoders.quantised = true;
-  s.device = std::make_unique<VirtualDevice>(*s.mechanism, setup);
+  const char* const files[] = {"omega-3.toml", "omega-6.toml", "sigma-7.toml"};
+  s.device = std::make_unique<test::HeldDevice>(files[s.model == 3 ? 0 : s.model == 6 ? 1 : 2], 2.5e-4);
   s.begin = Clock::now();
   s.isOpen = true;
   advance();
@@ -121,13 +97,12 @@ int dhdGetStatus(int* status, char) {
 int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double rotation[3][3], char id) {
   if (s.isUnplugged || id != 5 || !s.isOpen) return -1;
   advance();
-  Kinematics k = s.mechanism->home();
-  (void)s.mechanism->track(s.sample.q, s.sample.rates, false, k);
-  const Vec3 p = axes().transpose() * k.pose.position;
+  const Pose pose = s.device->pose();
+  const Vec3 p = axes().transpose() * pose.position;
   *x = p.x();
   *y = p.y();
   *z = p.z();
-  const Mat3 frame = axes().transpose() * k.pose.rotation * axes();
+  const Mat3 frame = axes().transpose() * pose.rotation * axes();
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) rotation[i][j] = frame(i, j);
   return s.isEarly ? 1 : 0;

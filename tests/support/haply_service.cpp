@@ -72,6 +72,7 @@ struct HaplyService::Server {
   }
 
   void run() {
+    (void)device.measure(sample_);      // a clock that the test advances may not have moved
     (void)system::requestRealtime(70);  // other programs on this machine are not part of the test
     while (!stops) {
       beast::error_code error;
@@ -94,7 +95,11 @@ struct HaplyService::Server {
     while (!error) {
       beast::flat_buffer buffer;
       stream.read(buffer, error);
-      if (error || service.isClosing.exchange(false)) return;
+      if (error || service.isClosing.exchange(false)) {  // the motors are off without a client
+        command_.effort.setZero();
+        service.force = 0.0;
+        return;
+      }
       take(Json::parse(beast::buffers_to_string(buffer.data())));
       ++service.messages;
       const int late = service.late_ms + service.lateOnce_ms.exchange(0);

@@ -33,6 +33,7 @@ const std::map<std::string, std::set<std::string>> kBeside = {
     {"apps/enamel", {"apps/program", "apps/colours", "plugins/fmi"}},  // writes units and uses them as plants
     {"plugins/haply", {"plugins/driver_functions.hpp"}},
     {"plugins/forcedimension", {"plugins/driver_functions.hpp", "plugins/vendor_library.hpp"}},
+    {"plugins/openhaptics", {"plugins/driver_functions.hpp", "plugins/vendor_library.hpp"}},
     {"apps/viewer", {"apps/program", "apps/colours", "apps/offscreen"}}};
 
 // Return "sim" for lib/src/sim/push.cpp and lib/include/enamel/sim/push.hpp; "apps/viewer" for apps/viewer/run.cpp.

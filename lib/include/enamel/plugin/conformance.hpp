@@ -19,7 +19,7 @@ struct ConformanceResult {
 struct ConformanceOptions {
   double period = 1e-3;  ///< s
   int ticks = 2000;      ///< on the path into a wall and out again
-  /// Return the number of allocations and releases of the process so far. Empty: allocations in a tick are not checked.
+  /// Return the number of allocations and releases of this thread so far. Empty: allocations in a tick are not checked.
   std::function<long()> allocationCount;
 };
 

@@ -1,0 +1,63 @@
+#include "live_device.hpp"
+
+#include "enamel/core/error.hpp"
+
+namespace enamel::viewer {
+
+LiveDevice::LiveDevice(SessionDef def, RendererSlot slot)
+    : def_(std::move(def)), scene_(loadScene(def_.scene)), cache_(makeToolCache(scene_.scene, scene_.tool)) {
+  if (scene_.bur) throw Error(def_.scene + ": a scene with a bur needs the simulated device (--device FILE)");
+  bool hasTicked = false;
+  def_.beforeTick = [this, hasTicked](TickAccess& access) mutable {
+    if (hasTicked) look(access.frame());
+    hasTicked = true;
+  };
+  session_ = std::make_unique<Session>(def_);
+  parameters_ = parseDevice(session_->opened().text, session_->opened().file);
+  largest_ = session_->mechanism().limits().effort;
+  for (double& limit : largest_)
+    if (limit == 0.0) limit = 1.0;
+  frame_.selected = slot;
+  frame_.record.pose = session_->start();
+  frame_.record.torque = frame_.record.command = frame_.record.q = JointVector::Zero(largest_.size());
+  frame_.record.nearest = nearestContact(scene_.scene, scene_.tool, frame_.record.pose, nullptr);
+  frames_.next() = frame_;
+  frames_.publish();
+  session_->startOpened();
+}
+
+const Frame& LiveDevice::frame() noexcept {
+  frames_.refresh();
+  return frames_.latest();
+}
+
+// Describe a tick as VirtualLoop does, with the pose that the device measured.
+void LiveDevice::look(const TickFrame& tick) noexcept {
+  const Kinematics& k = tick.kinematics;
+  TickRecord& r = frame_.record;
+  ++r.tick;
+  r.time = tick.time;
+  r.pose = k.pose;
+  r.twist = k.twist;
+  r.requested = tick.output.torque;
+  r.command = r.torque = tick.command;
+  r.rendered = wrenchOf(k, r.torque - k.gravity);
+  r.nearest = nearestContact(scene_.scene, scene_.tool, k.pose, &cache_);
+  r.gapRate = r.nearest.normal.dot(contactVelocity(k, r.nearest));
+  r.normalForce = tick.reason == GuardReason::none ? tick.output.normalForce
+                                                   : r.nearest.normal.dot(wrenchOf(k, r.command - k.gravity).head<3>());
+  r.mode = tick.output.mode;
+  r.saturated = tick.output.saturated;
+  r.guard = tick.reason;
+  ++frame_.guardTicks[static_cast<std::size_t>(r.guard)];
+  frame_.contacts = tick.contacts;
+  frame_.hand.target = frame_.hand.position = k.pose.position;
+  frame_.conditions = conditions_.add(r, largest_);
+  frame_.conditions.edge = false;  // the stops of the simulated device
+  if (!samples_.push(sampleOf(r))) ++dropped_;
+  frame_.droppedSamples = dropped_;
+  frames_.next() = frame_;
+  frames_.publish();
+}
+
+}  // namespace enamel::viewer

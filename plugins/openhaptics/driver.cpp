@@ -1,0 +1,300 @@
+// The driver of 3D Systems' Touch and Phantom through the functions that OpenHaptics documents (HD API, libHD, opened
+// at run time). The scheduler of the vendor calls frame() in its own thread. lib/docs/devices.md has the page. Not yet
+// tried on hardware. Names and values: "OpenHaptics Toolkit, API Reference Guide" and its header hdDefines.h.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "../driver_functions.hpp"
+#include "../vendor_library.hpp"
+#include "enamel/runtime/triple_buffer.hpp"
+#include "errors.hpp"
+
+namespace enamel::openhaptics {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kJoints = 6;                                          // the stylus turns without motors
+constexpr unsigned kButtons = 0x2000;                               // HD_CURRENT_BUTTONS
+constexpr unsigned kPosition = 0x2050, kTransform = 0x2052;         // HD_CURRENT_..., mm
+constexpr unsigned kForce = 0x2700;                                 // HD_CURRENT_FORCE, N
+constexpr unsigned kModel = 0x2501, kSerial = 0x2504;               // HD_DEVICE_MODEL_TYPE, HD_DEVICE_SERIAL_NUMBER
+constexpr unsigned kUsableWorkspace = 0x2551;                       // its lowest and highest corner, mm
+constexpr unsigned kCalibrationStyle = 0x2555, kMaxForce = 0x2603;  // HD_NOMINAL_MAX_FORCE, N
+constexpr unsigned kForceOutput = 0x4000;                           // HD_FORCE_OUTPUT
+constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;     // results of hdCheckCalibration()
+constexpr unsigned kInvalid = 0xFFFFFFFF;                           // HD_INVALID_HANDLE
+constexpr unsigned kContinue = 1;                                   // HD_CALLBACK_CONTINUE
+constexpr unsigned short kHighest = 0xFFFF;                         // HD_MAX_SCHEDULER_PRIORITY
+constexpr unsigned kRate = 1000;                                    // of the scheduler, Hz
+constexpr int kSilent = 20;  // frames without a command, after which the force is zero: the vendor repeats the last
+constexpr int kCut = 100;    // frames without forces after the device refused one
+constexpr double kTouchForce = 3.3, kTouchXForce = 7.9;  // N, as in the device files
+constexpr const char* kName = "Default Device";
+
+const EnamelParameter kOptions[] = {
+    {"library", "auto", "file of the vendor's library; auto: libHD.so where the system finds it"},
+};
+const EnamelDescription kDescription = {"openhaptics", "0.2.0", "3D Systems Touch and Phantom through OpenHaptics",
+                                        kOptions, sizeof kOptions / sizeof kOptions[0]};
+
+const char* const kTouch =
+#include <touch_device.inl>
+    ;
+const char* const kTouchX =
+#include <touch-x_device.inl>
+    ;
+
+// The functions of the HD API that the driver uses.
+struct Sdk {
+  explicit Sdk(const std::string& file) : library(file, {"libHD.so.3.4", "libHD.so"}) {
+    library.bind("hdInitDevice", init);
+    library.bind("hdDisableDevice", disableDevice);
+    library.bind("hdMakeCurrentDevice", makeCurrent);
+    library.bind("hdGetString", text);
+    library.bind("hdGetIntegerv", integers);
+    library.bind("hdGetDoublev", doubles);
+    library.bind("hdSetDoublev", setDoubles);
+    library.bind("hdGetError", error);
+    library.bind("hdCheckCalibration", checkCalibration);
+    library.bind("hdUpdateCalibration", updateCalibration);
+    library.bind("hdEnable", enable);
+    library.bind("hdDisable", disable);
+    library.bind("hdSetSchedulerRate", setRate);
+    library.bind("hdScheduleAsynchronous", schedule);
+    library.bind("hdUnschedule", unschedule);
+    library.bind("hdStartScheduler", start);
+    library.bind("hdStopScheduler", stop);
+    library.bind("hdBeginFrame", beginFrame);
+    library.bind("hdEndFrame", endFrame);
+  }
+
+  // Empty the stack, whose top is the newest error. Return the oldest one that is worse than a cut force, or a cut
+  // force, or success.
+  HdError takeError() const noexcept {
+    HdError worst{};
+    for (int i = 0; i < 64; ++i) {
+      const HdError next = error();
+      if (next.code == 0) break;
+      if (worst.code == 0 || !isCut(next.code)) worst = next;
+    }
+    return worst;
+  }
+
+  VendorLibrary library;
+  unsigned (*init)(const char* name);
+  void (*disableDevice)(unsigned handle);
+  void (*makeCurrent)(unsigned handle);
+  const char* (*text)(unsigned name);
+  void (*integers)(unsigned name, int* values);
+  void (*doubles)(unsigned name, double* values);
+  void (*setDoubles)(unsigned name, const double* values);
+  HdError (*error)();
+  unsigned (*checkCalibration)();
+  void (*updateCalibration)(unsigned style);
+  void (*enable)(unsigned capability);
+  void (*disable)(unsigned capability);
+  void (*setRate)(unsigned rate);
+  unsigned long (*schedule)(unsigned (*call)(void*), void* user, unsigned short priority);
+  void (*unschedule)(unsigned long task);
+  void (*start)();
+  void (*stop)();
+  void (*beginFrame)(unsigned handle);
+  void (*endFrame)(unsigned handle);
+};
+
+// Values that a frame read, in the axes of the HD API, which are those of W.
+struct State {
+  double time = 0.0;          // s
+  double position[3] = {};    // mm
+  double transform[16] = {};  // column by column: axes of the stylus and its position
+  int buttons = 0;
+  bool isCut = false, isLost = false;
+};
+
+class Device {
+ public:
+  Device(const std::string& file, std::string name) : sdk_(file), name_(std::move(name)) { initialise(); }
+  ~Device() {
+    close();
+    release();
+  }
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  std::string model() const { return sdk_.text(kModel); }
+  std::string serial() const { return sdk_.text(kSerial); }
+  bool isTouchX() const {
+    return model().find("Touch X") != std::string::npos || model().find("Desktop") != std::string::npos;
+  }
+
+  void open() {
+    if (isLost_) initialise();
+    sdk_.makeCurrent(handle_);
+    calibrate();
+    send(Vector3d::Zero());
+    (void)state_.refresh();  // a state from before
+    rates_.reset();
+    cut_ = silent_ = 0;
+    sdk_.enable(kForceOutput);
+    sdk_.setRate(kRate);
+    task_ = sdk_.schedule(
+        [](void* user) {
+          static_cast<Device*>(user)->frame();
+          return kContinue;
+        },
+        this, kHighest);
+    sdk_.start();
+    isOpen_ = true;
+    if (const HdError e = sdk_.takeError(); e.code != 0 && !isCut(e.code)) {
+      close();
+      throw std::runtime_error("the scheduler does not start: " + textOf(e));
+    }
+  }
+
+  void close() noexcept {
+    if (!isOpen_) return;
+    send(Vector3d::Zero());
+    sdk_.disable(kForceOutput);
+    sdk_.stop();
+    sdk_.unschedule(task_);
+    isOpen_ = false;
+  }
+
+  std::int32_t measure(EnamelMeasurement& m) noexcept {
+    if (!isOpen_ || isLost_) return ENAMEL_INACTIVE;
+    if (!state_.refresh()) return ENAMEL_STALE;
+    const State& s = state_.latest();
+    isLost_ = s.isLost;
+    if (isLost_) return ENAMEL_INACTIVE;
+    if (!(s.time > time_)) return ENAMEL_STALE;
+    std::memset(&m, 0, sizeof m);
+    m.size = sizeof m;
+    m.time = time_ = s.time;
+    Eigen::Map<Vector3d>(m.q) = 1e-3 * (Eigen::Map<const Vector3d>(s.position) - centre_);
+    const Eigen::AngleAxisd turn(Eigen::Matrix3d(Eigen::Map<const Eigen::Matrix4d>(s.transform).topLeftCorner<3, 3>()));
+    Eigen::Map<Vector3d>(m.q + 3) = turn.angle() * turn.axis();
+    rates_.add(m, kJoints);
+    m.enabled = s.isCut ? 0 : 1;
+    m.buttons = static_cast<std::uint32_t>(s.buttons);
+    return ENAMEL_OK;
+  }
+
+  std::int32_t actuate(const double* effort, std::int32_t count) noexcept {
+    if (!isOpen_ || isLost_) return ENAMEL_INACTIVE;
+    if (const std::int32_t checked = checkEfforts(effort, count, kJoints); checked != ENAMEL_OK) return checked;
+    const Vector3d force = Eigen::Map<const Vector3d>(effort);
+    const double length = force.norm();  // the vendor refuses a longer force as a whole
+    send(length > largest_ ? Vector3d(largest_ / length * force) : force);
+    return ENAMEL_OK;
+  }
+
+ private:
+  void initialise() {
+    release();
+    (void)sdk_.takeError();
+    handle_ = sdk_.init(name_.empty() ? nullptr : name_.c_str());
+    const HdError e = sdk_.takeError();
+    if (handle_ == kInvalid || (e.code != 0 && !isCut(e.code))) {
+      release();
+      throw std::runtime_error("the device \"" + (name_.empty() ? kName : name_) + "\" does not open: " + textOf(e));
+    }
+    isLost_ = false;
+    double corners[6] = {};
+    sdk_.doubles(kUsableWorkspace, corners);
+    centre_ = 0.5 * (Eigen::Map<const Vector3d>(corners) + Eigen::Map<const Vector3d>(corners + 3));
+    double nominal = 0.0;
+    sdk_.doubles(kMaxForce, &nominal);
+    largest_ = isTouchX() ? kTouchXForce : kTouchForce;
+    if (nominal > 0.0) largest_ = std::min(largest_, nominal);
+    (void)sdk_.takeError();
+  }
+
+  void release() noexcept {
+    if (handle_ != kInvalid) sdk_.disableDevice(handle_);
+    handle_ = kInvalid;
+  }
+
+  // Positions would jump during contact if a calibration came later.
+  void calibrate() {
+    int style = 0;
+    sdk_.integers(kCalibrationStyle, &style);
+    if (sdk_.checkCalibration() == kNeedsUpdate) sdk_.updateCalibration(static_cast<unsigned>(style));
+    const HdError e = sdk_.takeError();
+    if (sdk_.checkCalibration() == kCalibrated) return;
+    throw std::runtime_error("the " + model() +
+                             " is not calibrated: put the stylus into its inkwell and take it out, or run the vendor's "
+                             "diagnostic program" +
+                             (e.code == 0 ? std::string() : "; " + textOf(e)));
+  }
+
+  void send(const Vector3d& force) noexcept {
+    command_.next() = {force[0], force[1], force[2]};
+    command_.publish();
+  }
+
+  // One frame, in the thread of the vendor.
+  void frame() noexcept {
+    State& s = state_.next();
+    sdk_.beginFrame(handle_);
+    s.time = driverClock();
+    sdk_.doubles(kPosition, s.position);
+    sdk_.doubles(kTransform, s.transform);
+    sdk_.integers(kButtons, &s.buttons);
+    const HdError e = sdk_.takeError();  // of this frame, and of the end of the frame before
+    cut_ = isCut(e.code) ? kCut : std::max(cut_ - 1, 0);
+    s.isCut = cut_ > 0;
+    s.isLost = e.code != 0 && !isCut(e.code);
+    state_.publish();
+    silent_ = command_.refresh() ? 0 : silent_ + 1;
+    const std::array<double, 3> none{};
+    sdk_.setDoubles(kForce, silent_ < kSilent ? command_.latest().data() : none.data());
+    sdk_.endFrame(handle_);
+  }
+
+  Sdk sdk_;
+  std::string name_;  // "": the default
+  unsigned handle_ = kInvalid;
+  unsigned long task_ = 0;
+  bool isOpen_ = false, isLost_ = false;
+  Vector3d centre_ = Vector3d::Zero();  // of the usable workspace, mm
+  double largest_ = 0.0;                // N
+  double time_ = 0.0;                   // of the last sample, s
+  DriverRates rates_;
+  int cut_ = 0, silent_ = 0;  // of the vendor's thread
+  TripleBuffer<State> state_;
+  TripleBuffer<std::array<double, 3>> command_;
+};
+
+std::int32_t list(EnamelMessage devices, EnamelMessage message) noexcept {
+  return guardedSetup(message, [&] {
+    const Device device("auto", "");
+    std::snprintf(devices.text, devices.size, "%s\t%s %s\n", kName, device.model().c_str(), device.serial().c_str());
+  });
+}
+
+std::int32_t connect(const char* address, const EnamelParameter* options, std::size_t count, EnamelConnected* connected,
+                     EnamelMessage message) noexcept {
+  return guardedSetup(message, [&] {
+    auto device = std::make_unique<Device>(optionOf(kOptions[0], options, count), address);
+    connected->joints = kJoints;
+    connected->device_file = device->isTouchX() ? kTouchX : kTouch;
+    connected->delay_low = 1;  // a force leaves with the next frame, or the one after
+    connected->delay_high = 2;
+    connected->has_own_clock = 1;
+    connected->device = deviceTable(device.release());
+  });
+}
+
+}  // namespace
+}  // namespace enamel::openhaptics
+
+extern "C" const EnamelDriver* enamel_driver(void) {
+  using namespace enamel::openhaptics;
+  static const EnamelDriver table = enamel::driverTable<Device>([] { return &kDescription; }, list, connect);
+  return &table;
+}

@@ -1,0 +1,221 @@
+// The driver of OpenHaptics with a stand-in of the vendor's library: devices, axes, errors, a silent host, and a wall.
+#include <dlfcn.h>
+
+#include <thread>
+
+#include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
+#include "enamel/plugin/driver_conformance.hpp"
+#include "enamel/session/session.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/devices.hpp"
+#include "support/eventually.hpp"
+
+namespace enamel::test_openhaptics {
+
+using test::ContainsSubstring;
+
+namespace {
+
+const std::string kFolder = ENAMEL_PLUGINS, kLibrary = ENAMEL_HD_STAND_IN;
+
+// The stand-in in this process; the driver opens the same library.
+class StandIn {
+ public:
+  StandIn() : handle_(dlopen(kLibrary.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+    REQUIRE(handle_ != nullptr);
+    set_ = reinterpret_cast<void (*)(const char*, double)>(dlsym(handle_, "hdStandIn"));
+    force_ = reinterpret_cast<double (*)(int)>(dlsym(handle_, "hdStandInForce"));
+    for (const char* fault : {"touch-x", "absent", "max-force", "button", "unplugged", "fault", "warm", "uncalibrated",
+                              "stalled", "manual", "place-z", "turn-x", "turn-y", "turn-z"})
+      set(fault, 0.0);
+  }
+  ~StandIn() { dlclose(handle_); }
+  StandIn(const StandIn&) = delete;
+  StandIn& operator=(const StandIn&) = delete;
+
+  void set(const char* what, double value) { set_(what, value); }
+  Vec3 force() const { return {force_(0), force_(1), force_(2)}; }
+
+ private:
+  void* handle_;
+  void (*set_)(const char*, double);
+  double (*force_)(int);
+};
+
+std::string urlOf(const std::string& name = "Default Device") {
+  return "openhaptics://" + name + "?library=" + kLibrary;
+}
+
+OpenedDevice openAt(const std::string& url) {
+  OpenDeviceOptions options;
+  options.pluginFolder = kFolder;
+  return openDevice(url, options);
+}
+
+struct Bench {
+  OpenedDevice opened = openAt(urlOf());
+  Measurement sample;
+  Command command{JointVector::Zero(opened.mechanism->joints())};
+
+  Bench() { opened.device->open(); }
+  ~Bench() { opened.device->close(); }
+  Status tick() {
+    (void)opened.device->actuate(command);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return opened.device->measure(sample);
+  }
+  bool soon(const std::function<bool()>& isTrue) {
+    return test::eventually([&] { return tick() == Status::ok && isTrue(); });
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the OpenHaptics driver keeps the contract on each device, and allocates nothing", "[openhaptics]") {
+  StandIn standIn;
+  for (const auto& [isX, file] : {std::pair<double, const char*>{0.0, "touch.toml"}, {1.0, "touch-x.toml"}}) {
+    standIn.set("touch-x", isX);
+    const OpenedDevice opened = openAt(urlOf(""));  // the default device
+    CHECK(opened.text == readFile(test::deviceFile(file)));
+    CHECK(opened.poll > 0.0);  // the loop follows the vendor's scheduler
+  }
+  standIn.set("touch-x", 0.0);
+  DriverConformanceOptions options;
+  options.options = {{"library", kLibrary}};
+  options.duration = 0.1;
+  std::string failed;
+  CHECK(checkDriver(findDriver("openhaptics", kFolder), options, [&](const ConformanceResult& result) {
+    if (result.verdict == ConformanceResult::Verdict::failed) failed += result.what + ": " + result.detail + "\n";
+  }));
+  CHECK(failed.empty());
+  const auto check = test::run("check-driver openhaptics 'Default Device?library=" + kLibrary + "'");
+  INFO(check.output);
+  CHECK(check.status == 0);
+#ifndef ENAMEL_SANITIZED
+  CHECK_THAT(check.output, ContainsSubstring("passed       allocates nothing in measure and actuate"));
+#endif
+}
+
+TEST_CASE("refusals of the OpenHaptics driver name the error, its number, and what to do", "[openhaptics]") {
+  StandIn standIn;
+  const auto refuses = [](const std::string& url, const std::string& message) {
+    CHECK_THROWS_WITH(openAt(url), ContainsSubstring('"' + url + '"') && ContainsSubstring(message));
+  };
+  refuses("openhaptics://?library=/nowhere.so", "the vendor's library cannot be opened: /nowhere.so");
+  refuses("openhaptics://?library=" + kFolder + "/enamel_template.so", "has no function hdInitDevice");
+  refuses(urlOf("Left"), "the device \"Left\" does not open: HD_DEVICE_FAULT (0x0300, internal -7): check the name");
+  standIn.set("absent", 0x0600);
+  refuses(urlOf(), "HD_INVALID_LICENSE (0x0600, internal -7): install the licence");
+  standIn.set("absent", 0x0777);
+  refuses(urlOf(), "an error (0x0777, internal -7)");
+  standIn.set("absent", 0.0);
+  {
+    const OpenedDevice first = openAt(urlOf());
+    refuses(urlOf(), "HD_DEVICE_ALREADY_INITIATED (0x0301, internal -7): another part of this program uses it");
+  }
+  OpenedDevice opened = openAt(urlOf());
+  standIn.set("uncalibrated", 2.0);
+  CHECK_THROWS_WITH(opened.device->open(), ContainsSubstring("the Touch is not calibrated: put the stylus"));
+  standIn.set("uncalibrated", 1.0);  // the driver updates it
+  opened.device->open();
+  opened.device->close();
+  standIn.set("fault", 1.0);
+  CHECK_THROWS_WITH(opened.device->open(), ContainsSubstring("the scheduler does not start: HD_TIMER_ERROR (0x0304"));
+}
+
+TEST_CASE("positions, turns, forces and buttons of a Touch are those of W, from the middle of its workspace",
+          "[openhaptics]") {
+  StandIn standIn;
+  Bench bench;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double force : {0.5, -0.5}) {
+      bench.command.effort.setZero();
+      bench.command.effort[axis] = force;
+      INFO(axis << " " << force);
+      // The hand has 100 N/m: 5 mm in the direction of the force, and nothing across.
+      REQUIRE(bench.soon([&] {
+        return std::abs(bench.sample.q[axis] - 0.01 * force) < 2e-4 &&
+               std::abs(bench.sample.q[(axis + 1) % 3]) < 2e-4 && std::abs(bench.sample.q[(axis + 2) % 3]) < 2e-4;
+      }));
+    }
+  CHECK(bench.sample.enabled);
+  const char* const turns[] = {"turn-x", "turn-y", "turn-z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    standIn.set(turns[axis], 0.5);
+    REQUIRE(bench.soon([&] {
+      return std::abs(bench.sample.q[3 + axis] - 0.5) < 0.01 && std::abs(bench.sample.q[3 + (axis + 1) % 3]) < 0.01;
+    }));
+    standIn.set(turns[axis], 0.0);
+  }
+  standIn.set("button", 1.0);
+  CHECK(bench.soon([&] { return bench.sample.buttons == 2; }));
+}
+
+TEST_CASE("a force on a Touch is cut at its length, because the vendor refuses a longer one as a whole",
+          "[openhaptics]") {
+  StandIn standIn;
+  for (const double largest : {3.3, 2.0}) {
+    standIn.set("max-force", largest);
+    Bench bench;
+    bench.command.effort << 30.0, 40.0, 0.0, 0.0, 0.0, 0.0;
+    REQUIRE(bench.soon([&] { return standIn.force().norm() > 0.0; }));
+    CHECK((standIn.force() - largest * Vec3(0.6, 0.8, 0.0)).norm() < 1e-9);  // rounding
+    CHECK(bench.sample.enabled);
+  }
+}
+
+TEST_CASE("faults of a Touch are missing samples, a disabled device or a lost one", "[openhaptics]") {
+  StandIn standIn;
+  Bench bench;
+  REQUIRE(bench.soon([] { return true; }));
+  standIn.set("warm", 1.0);  // the device cuts its forces by itself
+  REQUIRE(bench.soon([&] { return !bench.sample.enabled; }));
+  standIn.set("warm", 0.0);
+  REQUIRE(bench.soon([&] { return bench.sample.enabled; }));
+  standIn.set("stalled", 1.0);
+  REQUIRE(test::eventually([&] { return bench.tick() == Status::stale; }));
+  CHECK(bench.tick() == Status::stale);
+  standIn.set("stalled", 0.0);
+  REQUIRE(bench.soon([] { return true; }));
+  standIn.set("unplugged", 1.0);
+  REQUIRE(test::eventually([&] { return bench.tick() == Status::inactive; }));
+  CHECK(bench.opened.device->actuate(bench.command) == Status::inactive);
+  bench.opened.device->close();
+  CHECK_THROWS_WITH(bench.opened.device->open(), ContainsSubstring("HD_COMM_ERROR (0x0302, internal -7): check power"));
+  standIn.set("unplugged", 0.0);
+  bench.opened.device->open();
+  CHECK(bench.soon([&] { return bench.sample.enabled; }));
+}
+
+TEST_CASE("a Touch is released when its host is silent, and when it is closed", "[openhaptics]") {
+  StandIn standIn;
+  Bench bench;
+  bench.command.effort[1] = 1.0;
+  REQUIRE(bench.soon([&] { return standIn.force().y() == 1.0; }));
+  REQUIRE(test::eventually([&] { return standIn.force().isZero(); }));  // no command any more
+  REQUIRE(bench.soon([&] { return standIn.force().y() == 1.0; }));
+  bench.opened.device->close();
+  CHECK(standIn.force().isZero());
+}
+
+TEST_CASE("a session feels a wall with the OpenHaptics driver", "[openhaptics]") {
+  StandIn standIn;
+  SessionDef def;
+  def.device = urlOf();
+  def.pluginFolder = kFolder;
+  Session session(def);
+  Obstacle wall = flatWall().obstacles()[0];
+  wall.pose.position.z() = 2e-3;  // the hand holds the device 2 mm inside
+  (void)session.add({wall});
+  session.startOpened();
+  REQUIRE(test::eventually([&] {
+    if (session.snapshot().fault != GuardReason::none) session.reset();  // on a busy machine a tick may come late
+    // The hand has 100 N/m.
+    return session.snapshot().tick.mode == RenderMode::contact && std::abs(standIn.force().z() - 0.2) < 0.05;
+  }));
+  session.stop();
+}
+
+}  // namespace enamel::test_openhaptics

@@ -1,0 +1,49 @@
+// A connected device in the viewer: it moves the tool, and the parts of a simulation are refused.
+#include <csignal>
+
+#include "viewer/running_viewer.hpp"
+
+namespace enamel::test_device {
+
+namespace {
+
+const std::string kNoDisplay = "-u DISPLAY -u WAYLAND_DISPLAY";
+
+}  // namespace
+
+TEST_CASE("a connected device moves the tool of the viewer", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "script.txt", "0 push\n0 pause\n0 hand 0 0 5\n0 set delay 2\n3600 end\n");
+  // The hand of the simulated device presses towards the wall from the start of the scene.
+  test::RunningViewer viewer(folder,
+                             test::shippedScene("flat-wall.toml") + " --headless --script '" + folder / "script.txt" +
+                                 "' --device virtual:" ENAMEL_SOURCE_DIR
+                                 "/data/devices/touch.toml --renderer impedance",
+                             kNoDisplay);
+  const nlohmann::json report =
+      viewer.until("contact", [](const nlohmann::json& now) { return now.at("contact").get<bool>(); });
+  CHECK(report.at("shown").at("renderers") == nlohmann::json{"impedance"});
+  CHECK(report.at("shown").at("delay [ticks]") == 0);
+  CHECK(report.at("paused") == false);
+  CHECK(test::RunningViewer::isAmong(report.at("shown").at("notices"), "Not available while a device is connected."));
+  CHECK(report.at("opengl_errors") == 0);
+  viewer.signal(SIGTERM);
+  CHECK(viewer.wait() == 128 + SIGTERM);
+}
+
+TEST_CASE("connections that the viewer refuses", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "script.txt", "0 end\n");
+  const auto refuses = [&](const std::string& arguments, const std::string& message) {
+    const test::CommandResult result =
+        test::viewer("--headless --script '" + folder / "script.txt' " + arguments, "env " + kNoDisplay);
+    INFO(result.output);
+    CHECK(result.status == 1);
+    CHECK(result.output.find(message) != std::string::npos);
+  };
+  refuses("--device nothing://1", "device URL \"nothing://1\"");
+  refuses("--device virtual: --gain servo.json", "--gain is for simulated devices");
+  refuses("--device virtual: " + test::shippedScene("drill.toml"), "a scene with a bur needs the simulated device");
+}
+
+}  // namespace enamel::test_device
