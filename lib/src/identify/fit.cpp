@@ -20,7 +20,7 @@ constexpr double kFloor = 0.3;          // of the power of rounding
 constexpr double kBlock = 0.25;         // s, of the scores
 constexpr double kBandwidth = 8.0;      // independent frequencies in the narrowest band
 constexpr double kExplained = 20.0;     // Hz, below which explained() compares
-constexpr double kConverged = 0.1;      // expected change of the log likelihood in the next step
+constexpr double kConverged = 0.01;     // expected change of the log likelihood in the next step
 constexpr double kGood = 0.7;           // of the expected gain: the derivatives are still good
 constexpr double kSlow = 0.02;          // least gain of a first step, of the cost
 constexpr double kLongestStep = 1.5;    // of the spread of an unknown
@@ -56,7 +56,7 @@ Fit::Fit(DeviceModel reference, std::vector<Unknown> unknowns, const std::vector
     : reference_(std::move(reference)), unknowns_(std::move(unknowns)), motions_(motions), threads_(threads) {
   x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size()));
   isFixed.assign(unknowns_.size(), 0);
-  observer_ = observerFor(reference_, motions.front().period);
+  observer_ = coarse_ = observerFor(reference_, motions.front().period);
   const JointVector step = makeMechanism(reference_.device)->limits().encoderStep;
   floor_ = kFloor / 12.0 * step.array().square();
   use(0.0, std::numeric_limits<double>::infinity());
@@ -88,14 +88,14 @@ void Fit::use(double begin, double end) {
 }
 
 // Empty if no device has these numbers, for example a tensor that breaks the triangle inequality.
-Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, int& left) const {
+Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, const Observer& observer, int& left) const {
   const DeviceModel model = modelAt(reference_, unknowns_, at);
   Residuals all;
   left = 0;
   try {
     for (const Piece& piece : pieces_) {
       const Simulated simulated =
-          simulate(model, *piece.motion, observer_, piece.start, piece.first - piece.start + piece.count);
+          simulate(model, *piece.motion, observer, piece.start, piece.first - piece.start + piece.count);
       left += simulated.restarts;
       Eigen::MatrixXd rows =
           piece.motion->reading.middleCols(piece.first, piece.count) - simulated.reading.rightCols(piece.count);
@@ -108,15 +108,17 @@ Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, int& left) const {
   return all;
 }
 
-void Fit::updateSlopes(const Residuals& base) {
+void Fit::updateSlopes() {
   slopes_.assign(unknowns_.size(), {});
+  int leftHere;
+  const Residuals base = residuals(x, coarse_, leftHere);
   parallelFor(unknowns_.size(), threads_, [&](std::size_t i) {
     if (isFixed[i] != 0) return;
     for (const double step : {kStep, -kStep}) {  // backward at the limit of possible devices
       Eigen::VectorXd moved = x;
       moved[static_cast<Eigen::Index>(i)] += step;
       int left;
-      const Residuals other = residuals(moved, left);
+      const Residuals other = residuals(moved, coarse_, left);
       for (std::size_t p = 0; p < other.size(); ++p) slopes_[i].push_back(((base[p] - other[p]) / step).cast<float>());
       if (!other.empty()) return;
     }
@@ -167,7 +169,7 @@ double Fit::cost(const Residuals& residuals, const Powers& powers) const {
 
 double Fit::misfit() {
   if (baseAt_.size() != x.size() || baseAt_ != x) {
-    base_ = residuals(x, restarts);
+    base_ = residuals(x, observer_, restarts);
     baseAt_ = x;
   }
   const Powers power = powers(base_, 0.0);
@@ -265,7 +267,7 @@ void Fit::improve(int steps, double corner, bool keepsSlopes) {
   for (int taken = 0; taken < steps; ++taken) {
     (void)misfit();  // updates base_
     const bool isFresh = slopes_.empty() || (isOld && !keepsSlopes);
-    if (isFresh) updateSlopes(base_);
+    if (isFresh) updateSlopes();
     isOld = false;
     const Powers power = powers(base_, corner);
     Eigen::MatrixXd A;
@@ -284,7 +286,7 @@ void Fit::improve(int steps, double corner, bool keepsSlopes) {
       step = stepOf(A, b, damping);
       const Eigen::VectorXd next = x + step;
       int left = 0;
-      Residuals there = residuals(next, left);
+      Residuals there = residuals(next, observer_, left);
       if (there.empty()) continue;
       gain = before - cost(there, power) - priorCost(next);
       if (!(gain > 0.0)) continue;
@@ -302,7 +304,7 @@ void Fit::improve(int steps, double corner, bool keepsSlopes) {
 
 Eigen::MatrixXd Fit::covariance() {
   (void)misfit();
-  if (slopes_.empty()) updateSlopes(base_);
+  if (slopes_.empty()) updateSlopes();
   const Powers power = powers(base_, 0.0);
   Eigen::MatrixXd A;
   Eigen::VectorXd b;

@@ -93,8 +93,8 @@ class Fit {
   using Residuals = std::vector<Eigen::MatrixXd>;            // per piece, joints x ticks
   using Powers = std::vector<std::vector<Eigen::VectorXd>>;  // per piece and joint, at each frequency
 
-  Residuals residuals(const Eigen::VectorXd& at, int& left) const;
-  void updateSlopes(const Residuals& base);
+  Residuals residuals(const Eigen::VectorXd& at, const Observer& observer, int& left) const;
+  void updateSlopes();
   Powers powers(const Residuals& residuals, double corner) const;
   double cost(const Residuals& residuals, const Powers& powers) const;
   double priorCost(const Eigen::VectorXd& at) const;
@@ -107,7 +107,7 @@ class Fit {
   std::vector<Unknown> unknowns_;
   const std::vector<RecordedMotion>& motions_;
   int threads_;
-  Observer observer_;
+  Observer observer_, coarse_;  // coarse_: of the derivatives
   Eigen::VectorXd floor_;  // least power of a residual in each joint: a part of the encoder's rounding
   std::vector<Piece> pieces_;
   std::vector<std::vector<Eigen::MatrixXf>> slopes_;  // per unknown and piece: d reading / d x

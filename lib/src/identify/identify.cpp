@@ -262,7 +262,7 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   fit.use(0.0, end);
   fit.improve(8);
   fit.refine();
-  fit.improve(8, 0.0, true);
+  fit.improve(8);
   addEstimates(fit, file, result);
   result.problems = diagnose(fit, result.delay.low);
   addStatistics(fit, motions, end, result);
