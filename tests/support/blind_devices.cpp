@@ -273,7 +273,7 @@ class ExactPlant final : public Plant {
   }
 
  private:
-  static constexpr double kStep = 2e-5;  // s
+  static constexpr double kStep = 1e-5;  // s
 
   static ImperfectDevice withoutAmplifiers(ImperfectDevice device) {
     device.imperfections.currentBandwidth = device.imperfections.torqueStep = 0.0;

@@ -7,13 +7,11 @@ namespace enamel::identify {
 namespace {
 
 constexpr double kMassSpread = 0.7;       // of the logarithm: a factor of 2
-constexpr double kComSpread = 0.01;       // m, of the platform
 constexpr double kRatioSpread = 0.15;     // of a motor's torque
 constexpr double kLagSpread = 5e-4;       // s
 constexpr double kDelaySpread = 3.0;      // ticks
 constexpr double kFrictionSpread = 0.03;  // of the largest effort
 constexpr double kCableSpread = 1.0;      // of the logarithm
-constexpr double kGravitySpread = 1.0;    // m/s^2: an unbalanced remainder
 
 using Value = std::function<double&(DeviceModel&)>;
 

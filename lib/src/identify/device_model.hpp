@@ -10,6 +10,9 @@
 
 namespace enamel::identify {
 
+inline constexpr double kComSpread = 0.01;     // m, of the platform
+inline constexpr double kGravitySpread = 1.0;  // m/s^2: an unbalanced remainder
+
 /// A device as the identification simulates it.
 struct DeviceModel {
   DeviceParameters device;   ///< with its rotors; its [imperfections] are not used
