@@ -17,7 +17,7 @@ constexpr double kShortestPiece = 1.0;  // s
 constexpr double kStep = 0.003;         // of x, for differences
 constexpr double kRelative = 0.05;      // residual that counts as noise, of the reading's power: far from the device
 constexpr double kFloor = 0.3;          // of the power of rounding
-constexpr double kBlock = 0.25;         // s, of the scores
+constexpr double kBlock = 1.0;          // s, long against the observer's memory of 0.1 s
 constexpr double kBandwidth = 8.0;      // independent frequencies in the narrowest band
 constexpr double kExplained = 20.0;     // Hz, below which explained() compares
 constexpr double kConverged = 0.01;     // expected change of the log likelihood in the next step
@@ -273,12 +273,9 @@ void Fit::improve(int steps, double corner, bool keepsSlopes) {
     Eigen::MatrixXd A;
     Eigen::VectorXd b;
     normalEquations(base_, power, A, b);
-    for (std::size_t i = 0; i < unknowns_.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      const double precision = 1.0 / (unknowns_[i].spread * unknowns_[i].spread);
-      A(k, k) += precision;
-      b[k] -= precision * x[k];
-    }
+    const Eigen::MatrixXd prior = priorInformation();
+    A += prior;
+    b -= prior * x;
     const double before = cost(base_, power) + priorCost(x);
     Eigen::VectorXd step;
     double gain = 0.0;
@@ -302,6 +299,40 @@ void Fit::improve(int steps, double corner, bool keepsSlopes) {
   }
 }
 
+Eigen::MatrixXd Fit::priorInformation() const {
+  Eigen::VectorXd diagonal(x.size());
+  for (std::size_t i = 0; i < unknowns_.size(); ++i)
+    diagonal[static_cast<Eigen::Index>(i)] = 1.0 / (unknowns_[i].spread * unknowns_[i].spread);
+  return diagonal.asDiagonal();
+}
+
+std::vector<Fit::Block> Fit::blocks(const Powers& powers) const {
+  std::vector<Block> all;
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    const Spectrum& spectrum = *pieces_[p].spectrum;
+    const auto length = static_cast<Eigen::Index>(kBlock / pieces_[p].motion->period);
+    const auto first = all.size(), count = static_cast<std::size_t>(pieces_[p].count / length);
+    all.resize(first + count, {Eigen::MatrixXd::Zero(x.size(), x.size()), Eigen::VectorXd::Zero(x.size())});
+    for (Eigen::Index joint = 0; joint < base_[p].rows(); ++joint) {
+      const Eigen::VectorXd weight = powers[p][static_cast<std::size_t>(joint)].cwiseSqrt().cwiseInverse();
+      const auto white = [&](const Eigen::VectorXd& signal) {
+        return spectrum.inverse(spectrum.transform(signal).cwiseProduct(weight));
+      };
+      const Eigen::VectorXd e = white(base_[p].row(joint));
+      Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(e.size(), x.size());
+      for (Eigen::Index i = 0; i < x.size(); ++i)
+        if (isFixed[static_cast<std::size_t>(i)] == 0)
+          slopes.col(i) = white(slopes_[static_cast<std::size_t>(i)][p].row(joint).cast<double>());
+      for (std::size_t k = 0; k < count; ++k) {
+        const auto part = slopes.middleRows(static_cast<Eigen::Index>(k) * length, length);
+        all[first + k].information += part.transpose() * part;
+        all[first + k].score += part.transpose() * e.segment(static_cast<Eigen::Index>(k) * length, length);
+      }
+    }
+  }
+  return all;
+}
+
 Eigen::MatrixXd Fit::covariance() {
   (void)misfit();
   if (slopes_.empty()) updateSlopes();
@@ -309,43 +340,29 @@ Eigen::MatrixXd Fit::covariance() {
   Eigen::MatrixXd A;
   Eigen::VectorXd b;
   normalEquations(base_, power, A, b);
-  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(x.size(), x.size());
-  int blocks = 0;
-  for (std::size_t p = 0; p < pieces_.size(); ++p) {
-    const Spectrum& spectrum = *pieces_[p].spectrum;
-    const auto length = static_cast<Eigen::Index>(kBlock / pieces_[p].motion->period);
-    const Eigen::Index count = pieces_[p].count / length;
-    Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(x.size(), count);
-    for (Eigen::Index joint = 0; joint < base_[p].rows(); ++joint) {
-      const Eigen::VectorXd weight = power[p][static_cast<std::size_t>(joint)].cwiseSqrt().cwiseInverse();
-      const auto white = [&](const Eigen::VectorXd& signal) {
-        return spectrum.inverse(spectrum.transform(signal).cwiseProduct(weight));
-      };
-      const Eigen::VectorXd e = white(base_[p].row(joint));
-      for (Eigen::Index i = 0; i < x.size(); ++i) {
-        if (isFixed[static_cast<std::size_t>(i)] != 0) continue;
-        const Eigen::VectorXd product =
-            e.cwiseProduct(white(slopes_[static_cast<std::size_t>(i)][p].row(joint).cast<double>()));
-        for (Eigen::Index k = 0; k < count; ++k) scores(i, k) += product.segment(k * length, length).sum();
-      }
-    }
-    B += scores * scores.transpose();
-    blocks += static_cast<int>(count);
+  const Eigen::MatrixXd prior = priorInformation();
+  A += prior;
+  const auto solve = [this](const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) {
+    Eigen::MatrixXd free = left;
+    for (std::size_t i = 0; i < isFixed.size(); ++i)
+      if (isFixed[i] != 0) free(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) = 1e30;
+    return Eigen::MatrixXd(free.ldlt().solve(right));
+  };
+  const std::vector<Block> blocks = this->blocks(power);
+  const auto count = static_cast<double>(blocks.size());
+  Eigen::MatrixXd jackknife = Eigen::MatrixXd::Zero(x.size(), x.size());
+  for (const Block& block : blocks) {
+    const Eigen::VectorXd change = solve(A - block.information, block.score);
+    jackknife += (count - 1.0) / count * change * change.transpose();
   }
-  const double unknowns = static_cast<double>(std::count(isFixed.begin(), isFixed.end(), 0));
-  B *= blocks / std::max(0.2 * blocks, blocks - unknowns);
-  for (std::size_t i = 0; i < unknowns_.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    const double precision = 1.0 / (unknowns_[i].spread * unknowns_[i].spread);
-    A(k, k) += isFixed[i] != 0 ? 1e30 : precision;
-    B(k, k) += isFixed[i] != 0 ? 0.0 : precision;
-  }
-  const Eigen::MatrixXd inverse = A.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
+  jackknife *= std::pow(1.0 + (kNormal * kNormal + 1.0) / (4.0 * std::max(1.0, count - 1.0)), 2);
+  const Eigen::MatrixXd inverse = solve(A, Eigen::MatrixXd::Identity(x.size(), x.size()));
+  jackknife += inverse * prior * inverse;
   // Blocks do not show errors that are slower than they are, such as that of a constant force: the fit takes these from
   // the residual. The spectrum does show them, so that the larger variance counts.
-  const Eigen::MatrixXd sandwich = inverse * B * inverse;
-  const Eigen::VectorXd scale = (inverse.diagonal().array() / sandwich.diagonal().array().max(1e-300)).max(1.0).sqrt();
-  return scale.asDiagonal() * sandwich * scale.asDiagonal();
+  const Eigen::VectorXd scale =
+      (inverse.diagonal().array() / jackknife.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  return scale.asDiagonal() * jackknife * scale.asDiagonal();
 }
 
 void Fit::refine() {

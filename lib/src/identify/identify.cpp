@@ -29,8 +29,7 @@ constexpr double kLongestLag = 2e-3;                       // s, of slideDelay()
 constexpr double kSlide = 0.15;                            // ticks, its steps
 constexpr int kMostSpread = 3;                             // ticks, of a random delay
 constexpr double kCoggingEvidence = 30.0;                  // gain of the log likelihood that shows cogging
-constexpr double kSeen = 0.3;     // largest deviation of a seen number, of the one before the recording
-constexpr double kNormal = 1.96;  // 95 % of the normal distribution
+constexpr double kSeen = 0.3;  // largest deviation of a seen number, of the one before the recording
 
 // A delay and how well it explains the recording.
 struct Candidate {
