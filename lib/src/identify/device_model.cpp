@@ -250,12 +250,12 @@ ImperfectDevice deviceOf(const DeviceModel& model) {
   device.imperfections.currentBandwidth = device.imperfections.torqueStep = 0.0;
   device.coulombFriction = model.coulomb;
   device.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt();
-  device.coggingPhase = model.sine;
-  for (Eigen::Index i = 0; i < model.sine.size(); ++i)
-    device.coggingPhase[i] = std::atan2(model.cosine[i], model.sine[i]);
   const Kinematics& home = device.mechanism->home();
   device.offset = model.home - home.q + model.offset;
   if (model.hasCables()) device.offset -= home.gravity / model.drive.cableStiffness;
+  device.coggingPhase = model.drive.periods * device.offset;  // from the reading to the angle
+  for (Eigen::Index i = 0; i < model.sine.size(); ++i)
+    device.coggingPhase[i] += std::atan2(model.cosine[i], model.sine[i]);
   return device;
 }
 

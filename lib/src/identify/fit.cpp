@@ -19,6 +19,8 @@ constexpr double kRelative = 0.05;      // residual that counts as noise, of the
 constexpr double kFloor = 0.3;          // of the power of rounding
 constexpr double kBlock = 1.0;          // s, long against the observer's memory of 0.1 s
 constexpr double kBandwidth = 8.0;      // independent frequencies in the narrowest band
+constexpr double kIntegration = 0.05;   // largest error of the fine simulation, of the deviation of rounding
+constexpr int kMostParts = 32;          // of a tick
 constexpr double kExplained = 20.0;     // Hz, below which explained() compares
 constexpr double kConverged = 0.01;     // expected change of the log likelihood in the next step
 constexpr double kGood = 0.7;           // of the expected gain: the derivatives are still good
@@ -360,16 +362,28 @@ Eigen::MatrixXd Fit::covariance() {
   jackknife += inverse * prior * inverse;
   // Blocks do not show errors that are slower than they are, such as that of a constant force: the fit takes these from
   // the residual. The spectrum does show them, so that the larger variance counts.
-  const Eigen::VectorXd scale =
-      (inverse.diagonal().array() / jackknife.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  const Eigen::VectorXd scale = (inverse.diagonal().array() / jackknife.diagonal().array().max(1e-300)).max(1.0).sqrt();
   return scale.asDiagonal() * jackknife * scale.asDiagonal();
 }
 
 void Fit::refine() {
-  const double steps = std::max<double>(observer_.substeps, period() / kFineStep);
-  observer_.parts = kFineParts;
-  observer_.substeps = kFineParts * static_cast<int>(std::ceil(steps / kFineParts - 1e-9));
-  forget();
+  const double steps = std::max<double>(coarse_.substeps, period() / kFineStep);
+  const Eigen::VectorXd allowed = kIntegration * (floor_ / kFloor).cwiseSqrt();
+  for (int parts = kFineParts, isFine = 0; isFine == 0 && parts <= kMostParts; parts *= 2) {
+    (void)misfit();
+    const Residuals before = base_;
+    observer_.parts = parts;
+    observer_.substeps = parts * std::max(2, static_cast<int>(std::ceil(steps / parts - 1e-9)));
+    forget();
+    (void)misfit();
+    isFine = 1;
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      const double samples = static_cast<double>(pieces_[p].count);
+      const Eigen::VectorXd change = ((base_[p] - before[p]).rowwise().squaredNorm() / samples).cwiseSqrt();
+      // The error is of second order in the length of a part, so that it is a third of the change, or less.
+      if (((change / 3.0).array() > allowed.array()).any()) isFine = 0;
+    }
+  }
 }
 
 void Fit::add(const std::vector<Unknown>& unknowns) {

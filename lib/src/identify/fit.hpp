@@ -19,7 +19,7 @@
 namespace enamel::identify {
 
 inline constexpr double kFineStep = 5e-5;     // s, of refine()
-inline constexpr int kFineParts = 4;          // of a tick
+inline constexpr int kFineParts = 4;          // of a tick, at least
 inline constexpr double kNormal = 1.96;       // 95 % of the normal distribution
 inline constexpr double kNoiseBegin = 100.0;  // Hz
 
@@ -72,8 +72,8 @@ class Fit {
   /// Return the deviation of each residual above kNoiseBegin, rad or m.
   Eigen::VectorXd noise();
 
-  /// Simulate in steps of kFineStep and kFineParts parts of a tick from now on. The derivatives remain those of the
-  /// coarse steps.
+  /// Simulate in steps of at most kFineStep from now on, in so many parts of a tick that errors of the integration are
+  /// small against the rounding of the encoders. The derivatives remain those of the coarse steps.
   void refine();
 
   /// Forget the simulation at x: reference() was changed.
@@ -117,7 +117,7 @@ class Fit {
   const std::vector<RecordedMotion>& motions_;
   int threads_;
   Observer observer_, coarse_;  // coarse_: of the derivatives
-  Eigen::VectorXd floor_;  // least power of a residual in each joint: a part of the encoder's rounding
+  Eigen::VectorXd floor_;       // least power of a residual in each joint: a part of the encoder's rounding
   std::vector<Piece> pieces_;
   std::vector<std::vector<Eigen::MatrixXf>> slopes_;  // per unknown and piece: d reading / d x
   Residuals base_;

@@ -121,7 +121,7 @@ class Device {
         viscous_(viscousFriction(model)),
         friction_(device_.coulombFriction),
         cogging_(device_.cogging),
-        phase_(device_.coggingPhase + drive_.periods * device_.offset),  // of a reading: the offset is badly known
+        phase_(device_.coggingPhase),
         hasCogging_(drive_.periods > 0.0 && (drive_.torqueRipple > 0.0 || cogging_.maxCoeff() > 0.0)),
         kinematics_(device_.mechanism->home()),
         before_(kinematics_.jacobian) {}
