@@ -24,7 +24,7 @@ constexpr double kCalm = 4.0;                                        // of the h
 constexpr double kRamp = 1.0;                                        // s, at the beginning and the end
 constexpr double kRelease = 0.1;                                     // s, in which the hold fades at the end
 constexpr double kTurn = 0.15;                                       // rad, of the slow part
-constexpr double kFreeTurn = 0.5;                                    // of kTurn, beyond the path
+constexpr double kFreeTurn = 0.5;                                    // of kTurn, outside the path
 constexpr double kFollow = 0.3;                                      // of the largest force, for the slow part
 
 // A sum of sines and its first two derivatives.
@@ -109,7 +109,7 @@ void limitTorque(Excitation& excitation, const Mechanism& mechanism, double shar
 }
 
 // Stiffness of the spring that follows the path. A file may miss `load`, which falls into the spring when the motion
-// begins: at most twice as far as it stretches the spring at rest, and no further than `free`.
+// begins: at most twice as far as it stretches the spring at rest. That must not be more than `free`.
 double holdOf(double inertia, double load, double free) {
   return std::max(inertia * std::pow(2.0 * M_PI * kHold, 2), 2.0 * load / free);
 }
