@@ -13,6 +13,7 @@
 #include "enamel/core/error.hpp"
 #include "support/blind_devices.hpp"
 #include "support/catch.hpp"
+#include "support/run_length.hpp"
 
 namespace enamel::test_identify_blind {
 

@@ -114,10 +114,12 @@ TEST_CASE("the simulation of a fit moves as the imperfect plant", "[identify]") 
     model.coulomb = device.built.coulombFriction;
     model.drive = device.built.imperfections;
     for (int i = 0; i < 3; ++i) {
-      model.sine[i] = device.built.cogging[i] * std::cos(device.built.coggingPhase[i]);
-      model.cosine[i] = device.built.cogging[i] * std::sin(device.built.coggingPhase[i]);
       if (kind == test::BlindKind::delta)
         model.offset[i] = device.value.at("encoder offset of joint " + std::to_string(i + 1));
+      const double phase =
+          device.built.coggingPhase[i] - model.drive.periods * identify::deviceOf(model).offset[i];  // of the reading
+      model.sine[i] = device.built.cogging[i] * std::cos(phase);
+      model.cosine[i] = device.built.cogging[i] * std::sin(phase);
     }
     const auto simulated = identify::simulate(model, motion, identify::observerFor(model, 1e-3), 0, motion.ticks());
     CHECK(simulated.restarts == 0);

@@ -7,13 +7,11 @@ namespace enamel::identify {
 namespace {
 
 constexpr double kMassSpread = 0.7;       // of the logarithm: a factor of 2
-constexpr double kComSpread = 0.01;       // m, of the platform
 constexpr double kRatioSpread = 0.15;     // of a motor's torque
 constexpr double kLagSpread = 5e-4;       // s
 constexpr double kDelaySpread = 3.0;      // ticks
 constexpr double kFrictionSpread = 0.03;  // of the largest effort
 constexpr double kCableSpread = 1.0;      // of the logarithm
-constexpr double kGravitySpread = 1.0;    // m/s^2: an unbalanced remainder
 
 using Value = std::function<double&(DeviceModel&)>;
 
@@ -252,12 +250,12 @@ ImperfectDevice deviceOf(const DeviceModel& model) {
   device.imperfections.currentBandwidth = device.imperfections.torqueStep = 0.0;
   device.coulombFriction = model.coulomb;
   device.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt();
-  device.coggingPhase = model.sine;
-  for (Eigen::Index i = 0; i < model.sine.size(); ++i)
-    device.coggingPhase[i] = std::atan2(model.cosine[i], model.sine[i]);
   const Kinematics& home = device.mechanism->home();
   device.offset = model.home - home.q + model.offset;
   if (model.hasCables()) device.offset -= home.gravity / model.drive.cableStiffness;
+  device.coggingPhase = model.drive.periods * device.offset;  // from the reading to the angle
+  for (Eigen::Index i = 0; i < model.sine.size(); ++i)
+    device.coggingPhase[i] += std::atan2(model.cosine[i], model.sine[i]);
   return device;
 }
 

@@ -10,6 +10,9 @@
 
 namespace enamel::identify {
 
+inline constexpr double kComSpread = 0.01;     // m, of the platform
+inline constexpr double kGravitySpread = 1.0;  // m/s^2: an unbalanced remainder
+
 /// A device as the identification simulates it.
 struct DeviceModel {
   DeviceParameters device;   ///< with its rotors; its [imperfections] are not used
@@ -20,7 +23,7 @@ struct DeviceModel {
   JointVector ratio;         ///< torque of each motor relative to the others, before normalisation
   JointVector coulomb;       ///< N m or N
   JointVector offset;        ///< of the encoders, rad or m
-  JointVector sine, cosine;  ///< amplitudes of cogging, N m or N
+  JointVector sine, cosine;  ///< amplitudes of cogging at the phase of the reading, N m or N
   std::array<double, 6> links = {1.0, 1.0, 1.0,
                                  1.0, 1.0, 1.0};  ///< of a TAU: factors of mass and inertia, chain by chain
   JointVector home;                               ///< readings at home without offset, rad or m

@@ -8,16 +8,23 @@
 #include "enamel/core/file.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/sim/random.hpp"
+#include "identify/device_model.hpp"
 
 namespace enamel {
 namespace {
 
+using identify::kComSpread;
+using identify::kGravitySpread;
+
 constexpr int kSlowLines = 8, kFastLines = 40;
 constexpr double kSlowest = 0.15, kSlowEnd = 3.0, kFastBegin = 4.0;  // Hz
 constexpr double kFastEnd = 0.4;                                     // of the tick rate
-constexpr double kHold = 2.0;                                        // Hz, of the spring that follows the path
+constexpr double kHold = 2.0;                                        // Hz, least of the spring that follows the path
+constexpr double kCalm = 4.0;                                        // of the hold's frequency: damping acts below
 constexpr double kRamp = 1.0;                                        // s, at the beginning and the end
+constexpr double kRelease = 0.1;                                     // s, in which the hold fades at the end
 constexpr double kTurn = 0.15;                                       // rad, of the slow part
+constexpr double kFreeTurn = 0.5;                                    // of kTurn, outside the path
 constexpr double kFollow = 0.3;                                      // of the largest force, for the slow part
 
 // A sum of sines and its first two derivatives.
@@ -101,11 +108,17 @@ void limitTorque(Excitation& excitation, const Mechanism& mechanism, double shar
   for (ExcitationAxis& axis : excitation.axes) scale(axis.force, share / most);
 }
 
-ExcitationAxis axisOf(const ExcitationOptions& options, double inertia, double width, double speed, double force,
-                      int axis, int axes) {
+// Stiffness of the spring that follows the path. A file may miss `load`, which falls into the spring when the motion
+// begins: at most twice as far as it stretches the spring at rest. That must not be more than `free`.
+double holdOf(double inertia, double load, double free) {
+  return std::max(inertia * std::pow(2.0 * M_PI * kHold, 2), 2.0 * load / free);
+}
+
+ExcitationAxis axisOf(const ExcitationOptions& options, double inertia, double stiffness, double width, double speed,
+                      double force, int axis, int axes) {
   const RandomStream random(options.seed, 0);
-  const double shift = (axis + 0.5) / axes, rate = 2.0 * M_PI * kHold;
-  ExcitationAxis result{inertia, rate * rate * inertia, rate * inertia, {}, {}};
+  const double shift = (axis + 0.5) / axes;
+  ExcitationAxis result{inertia, stiffness, std::sqrt(stiffness * inertia), {}, {}};
   result.motion = sines(kSlowLines, kSlowest, kSlowEnd, shift, random, axis);
   for (Sine& s : result.motion) s.amplitude = std::pow(s.frequency, -0.7);
   scale(result.motion, std::min({width / peakOf(result.motion, options.duration, 0),
@@ -131,9 +144,10 @@ Excitation designExcitation(const Mechanism& mechanism, const ExcitationOptions&
   requirePeriod(options.period, "the excitation: ");
   const Kinematics& home = mechanism.home();
   const bool turns = mechanism.joints() >= 6;
-  const Vec3 box = boxOf(mechanism, turns ? 1.5 * kTurn : 0.0);
+  const Vec3 box = boxOf(mechanism, turns ? (1.0 + kFreeTurn) * kTurn : 0.0);
   const Eigen::VectorXd inertia = inertiasOf(home);
   const auto axes = static_cast<int>(inertia.size());
+  const double weight = wrenchOf(home, home.gravity).head<3>().norm();  // masses may be wrong by a factor of 2
   Excitation excitation;
   excitation.duration = options.duration;
   excitation.period = options.period;
@@ -149,7 +163,10 @@ Excitation designExcitation(const Mechanism& mechanism, const ExcitationOptions&
     (axis < 3 ? excitation.force : excitation.moment) =
         std::max(axis < 3 ? excitation.force : excitation.moment, force);
     const bool isTurn = axis >= 3;
-    excitation.axes.push_back(axisOf(options, inertia[axis], isTurn ? kTurn : options.width * box[axis],
+    const double stiffness =
+        isTurn ? holdOf(inertia[axis], weight * kComSpread, kFreeTurn * kTurn)
+               : holdOf(inertia[axis], weight + inertia[axis] * kGravitySpread, (1.0 - options.width) * box[axis]);
+    excitation.axes.push_back(axisOf(options, inertia[axis], stiffness, isTurn ? kTurn : options.width * box[axis],
                                      isTurn ? 1.5 : options.speed, force, axis, axes));
   }
   limitTorque(excitation, mechanism, options.share);
@@ -169,9 +186,18 @@ Vec6 wrenchAt(const Excitation& excitation, double time, const Pose& pose, const
     const Vec3 motion = ramp * motionOf(axis.motion, time);
     wrench[k] = axis.inertia * motion[2] + axis.stiffness * (motion[0] - place[k]) +
                 axis.damping * (motion[1] - twist[k]) + ramp * sumOf(axis.force, time);
-    if (time > excitation.duration - kRamp) wrench[k] *= ramp;
+    wrench[k] *= std::min(1.0, (excitation.duration - time) / kRelease);
   }
   return wrench;
+}
+
+void smoothTwist(const Excitation& excitation, const Vec6& twist, Vec6& smoothed) noexcept {
+  for (std::size_t i = 0; i < excitation.axes.size(); ++i) {
+    const ExcitationAxis& axis = excitation.axes[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    const double rate = kCalm * std::sqrt(axis.stiffness / axis.inertia);
+    smoothed[k] -= std::expm1(-rate * excitation.period) * (twist[k] - smoothed[k]);
+  }
 }
 
 GuardOptions guardFor(const Mechanism& mechanism, const Excitation& excitation) {
@@ -195,7 +221,8 @@ void ExcitationPlayer::before(Measurement& measurement) noexcept {
   if (!measurement.enabled || time > excitation_.duration || haptics_.guard().fault() != GuardReason::none)
     isOver_.store(true);
   const Kinematics& last = haptics_.frame().kinematics;
-  haptics_.setEffect(isOver_.load() ? Vec6(Vec6::Zero()) : wrenchAt(excitation_, time, last.pose, last.twist));
+  smoothTwist(excitation_, last.twist, twist_);
+  haptics_.setEffect(isOver_.load() ? Vec6(Vec6::Zero()) : wrenchAt(excitation_, time, last.pose, twist_));
   if (next_ != nullptr) next_->before(measurement);
 }
 
@@ -211,6 +238,7 @@ GuardReason runExcitation(const Excitation& excitation, const Mechanism& mechani
   HapticTick haptics(mechanism, scene, tool, renderer, guardFor(mechanism, excitation));
   Measurement measurement;
   Command command;
+  Vec6 twist = Vec6::Zero();
   const auto ticks = static_cast<std::uint64_t>(excitation.duration / excitation.period);
   for (std::uint64_t number = 0; number < ticks; ++number) {
     const Status measured = device.measure(measurement);
@@ -219,7 +247,8 @@ GuardReason runExcitation(const Excitation& excitation, const Mechanism& mechani
     measurement.age = measured == Status::ok ? 0 : measurement.age + 1;
     measurement.time = device.time();
     const Kinematics& last = haptics.frame().kinematics;
-    haptics.setEffect(wrenchAt(excitation, static_cast<double>(number) * excitation.period, last.pose, last.twist));
+    smoothTwist(excitation, last.twist, twist);
+    haptics.setEffect(wrenchAt(excitation, static_cast<double>(number) * excitation.period, last.pose, twist));
     const Status status = haptics(measurement, command);
     each(number, measurement, haptics, command, status);
     if (haptics.guard().fault() != GuardReason::none) return haptics.guard().fault();

@@ -17,10 +17,12 @@ constexpr double kShortestPiece = 1.0;  // s
 constexpr double kStep = 0.003;         // of x, for differences
 constexpr double kRelative = 0.05;      // residual that counts as noise, of the reading's power: far from the device
 constexpr double kFloor = 0.3;          // of the power of rounding
-constexpr double kBlock = 0.25;         // s, of the scores
+constexpr double kBlock = 1.0;          // s, long against the observer's memory of 0.1 s
 constexpr double kBandwidth = 8.0;      // independent frequencies in the narrowest band
+constexpr double kIntegration = 0.05;   // largest error of the fine simulation, of the deviation of rounding
+constexpr int kMostParts = 32;          // of a tick
 constexpr double kExplained = 20.0;     // Hz, below which explained() compares
-constexpr double kConverged = 0.1;      // expected change of the log likelihood in the next step
+constexpr double kConverged = 0.01;     // expected change of the log likelihood in the next step
 constexpr double kGood = 0.7;           // of the expected gain: the derivatives are still good
 constexpr double kSlow = 0.02;          // least gain of a first step, of the cost
 constexpr double kLongestStep = 1.5;    // of the spread of an unknown
@@ -56,7 +58,7 @@ Fit::Fit(DeviceModel reference, std::vector<Unknown> unknowns, const std::vector
     : reference_(std::move(reference)), unknowns_(std::move(unknowns)), motions_(motions), threads_(threads) {
   x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size()));
   isFixed.assign(unknowns_.size(), 0);
-  observer_ = observerFor(reference_, motions.front().period);
+  observer_ = coarse_ = observerFor(reference_, motions.front().period);
   const JointVector step = makeMechanism(reference_.device)->limits().encoderStep;
   floor_ = kFloor / 12.0 * step.array().square();
   use(0.0, std::numeric_limits<double>::infinity());
@@ -88,14 +90,14 @@ void Fit::use(double begin, double end) {
 }
 
 // Empty if no device has these numbers, for example a tensor that breaks the triangle inequality.
-Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, int& left) const {
+Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, const Observer& observer, int& left) const {
   const DeviceModel model = modelAt(reference_, unknowns_, at);
   Residuals all;
   left = 0;
   try {
     for (const Piece& piece : pieces_) {
       const Simulated simulated =
-          simulate(model, *piece.motion, observer_, piece.start, piece.first - piece.start + piece.count);
+          simulate(model, *piece.motion, observer, piece.start, piece.first - piece.start + piece.count);
       left += simulated.restarts;
       Eigen::MatrixXd rows =
           piece.motion->reading.middleCols(piece.first, piece.count) - simulated.reading.rightCols(piece.count);
@@ -108,15 +110,17 @@ Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, int& left) const {
   return all;
 }
 
-void Fit::updateSlopes(const Residuals& base) {
+void Fit::updateSlopes() {
   slopes_.assign(unknowns_.size(), {});
+  int leftHere;
+  const Residuals base = residuals(x, coarse_, leftHere);
   parallelFor(unknowns_.size(), threads_, [&](std::size_t i) {
     if (isFixed[i] != 0) return;
     for (const double step : {kStep, -kStep}) {  // backward at the limit of possible devices
       Eigen::VectorXd moved = x;
       moved[static_cast<Eigen::Index>(i)] += step;
       int left;
-      const Residuals other = residuals(moved, left);
+      const Residuals other = residuals(moved, coarse_, left);
       for (std::size_t p = 0; p < other.size(); ++p) slopes_[i].push_back(((base[p] - other[p]) / step).cast<float>());
       if (!other.empty()) return;
     }
@@ -167,7 +171,7 @@ double Fit::cost(const Residuals& residuals, const Powers& powers) const {
 
 double Fit::misfit() {
   if (baseAt_.size() != x.size() || baseAt_ != x) {
-    base_ = residuals(x, restarts);
+    base_ = residuals(x, observer_, restarts);
     baseAt_ = x;
   }
   const Powers power = powers(base_, 0.0);
@@ -265,18 +269,15 @@ void Fit::improve(int steps, double corner, bool keepsSlopes) {
   for (int taken = 0; taken < steps; ++taken) {
     (void)misfit();  // updates base_
     const bool isFresh = slopes_.empty() || (isOld && !keepsSlopes);
-    if (isFresh) updateSlopes(base_);
+    if (isFresh) updateSlopes();
     isOld = false;
     const Powers power = powers(base_, corner);
     Eigen::MatrixXd A;
     Eigen::VectorXd b;
     normalEquations(base_, power, A, b);
-    for (std::size_t i = 0; i < unknowns_.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      const double precision = 1.0 / (unknowns_[i].spread * unknowns_[i].spread);
-      A(k, k) += precision;
-      b[k] -= precision * x[k];
-    }
+    const Eigen::MatrixXd prior = priorInformation();
+    A += prior;
+    b -= prior * x;
     const double before = cost(base_, power) + priorCost(x);
     Eigen::VectorXd step;
     double gain = 0.0;
@@ -284,7 +285,7 @@ void Fit::improve(int steps, double corner, bool keepsSlopes) {
       step = stepOf(A, b, damping);
       const Eigen::VectorXd next = x + step;
       int left = 0;
-      Residuals there = residuals(next, left);
+      Residuals there = residuals(next, observer_, left);
       if (there.empty()) continue;
       gain = before - cost(there, power) - priorCost(next);
       if (!(gain > 0.0)) continue;
@@ -300,57 +301,89 @@ void Fit::improve(int steps, double corner, bool keepsSlopes) {
   }
 }
 
-Eigen::MatrixXd Fit::covariance() {
-  (void)misfit();
-  if (slopes_.empty()) updateSlopes(base_);
-  const Powers power = powers(base_, 0.0);
-  Eigen::MatrixXd A;
-  Eigen::VectorXd b;
-  normalEquations(base_, power, A, b);
-  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(x.size(), x.size());
-  int blocks = 0;
+Eigen::MatrixXd Fit::priorInformation() const {
+  Eigen::VectorXd diagonal(x.size());
+  for (std::size_t i = 0; i < unknowns_.size(); ++i)
+    diagonal[static_cast<Eigen::Index>(i)] = 1.0 / (unknowns_[i].spread * unknowns_[i].spread);
+  return diagonal.asDiagonal();
+}
+
+std::vector<Fit::Block> Fit::blocks(const Powers& powers) const {
+  std::vector<Block> all;
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     const Spectrum& spectrum = *pieces_[p].spectrum;
     const auto length = static_cast<Eigen::Index>(kBlock / pieces_[p].motion->period);
-    const Eigen::Index count = pieces_[p].count / length;
-    Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(x.size(), count);
+    const auto first = all.size(), count = static_cast<std::size_t>(pieces_[p].count / length);
+    all.resize(first + count, {Eigen::MatrixXd::Zero(x.size(), x.size()), Eigen::VectorXd::Zero(x.size())});
     for (Eigen::Index joint = 0; joint < base_[p].rows(); ++joint) {
-      const Eigen::VectorXd weight = power[p][static_cast<std::size_t>(joint)].cwiseSqrt().cwiseInverse();
+      const Eigen::VectorXd weight = powers[p][static_cast<std::size_t>(joint)].cwiseSqrt().cwiseInverse();
       const auto white = [&](const Eigen::VectorXd& signal) {
         return spectrum.inverse(spectrum.transform(signal).cwiseProduct(weight));
       };
       const Eigen::VectorXd e = white(base_[p].row(joint));
-      for (Eigen::Index i = 0; i < x.size(); ++i) {
-        if (isFixed[static_cast<std::size_t>(i)] != 0) continue;
-        const Eigen::VectorXd product =
-            e.cwiseProduct(white(slopes_[static_cast<std::size_t>(i)][p].row(joint).cast<double>()));
-        for (Eigen::Index k = 0; k < count; ++k) scores(i, k) += product.segment(k * length, length).sum();
+      Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(e.size(), x.size());
+      for (Eigen::Index i = 0; i < x.size(); ++i)
+        if (isFixed[static_cast<std::size_t>(i)] == 0)
+          slopes.col(i) = white(slopes_[static_cast<std::size_t>(i)][p].row(joint).cast<double>());
+      for (std::size_t k = 0; k < count; ++k) {
+        const auto part = slopes.middleRows(static_cast<Eigen::Index>(k) * length, length);
+        all[first + k].information += part.transpose() * part;
+        all[first + k].score += part.transpose() * e.segment(static_cast<Eigen::Index>(k) * length, length);
       }
     }
-    B += scores * scores.transpose();
-    blocks += static_cast<int>(count);
   }
-  const double unknowns = static_cast<double>(std::count(isFixed.begin(), isFixed.end(), 0));
-  B *= blocks / std::max(0.2 * blocks, blocks - unknowns);
-  for (std::size_t i = 0; i < unknowns_.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    const double precision = 1.0 / (unknowns_[i].spread * unknowns_[i].spread);
-    A(k, k) += isFixed[i] != 0 ? 1e30 : precision;
-    B(k, k) += isFixed[i] != 0 ? 0.0 : precision;
+  return all;
+}
+
+Eigen::MatrixXd Fit::covariance() {
+  (void)misfit();
+  if (slopes_.empty()) updateSlopes();
+  const Powers power = powers(base_, 0.0);
+  Eigen::MatrixXd A;
+  Eigen::VectorXd b;
+  normalEquations(base_, power, A, b);
+  const Eigen::MatrixXd prior = priorInformation();
+  A += prior;
+  const auto solve = [this](const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) {
+    Eigen::MatrixXd free = left;
+    for (std::size_t i = 0; i < isFixed.size(); ++i)
+      if (isFixed[i] != 0) free(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) = 1e30;
+    return Eigen::MatrixXd(free.ldlt().solve(right));
+  };
+  const std::vector<Block> blocks = this->blocks(power);
+  const auto count = static_cast<double>(blocks.size());
+  Eigen::MatrixXd jackknife = Eigen::MatrixXd::Zero(x.size(), x.size());
+  for (const Block& block : blocks) {
+    const Eigen::VectorXd change = solve(A - block.information, block.score);
+    jackknife += (count - 1.0) / count * change * change.transpose();
   }
-  const Eigen::MatrixXd inverse = A.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
+  jackknife *= std::pow(1.0 + (kNormal * kNormal + 1.0) / (4.0 * std::max(1.0, count - 1.0)), 2);
+  const Eigen::MatrixXd inverse = solve(A, Eigen::MatrixXd::Identity(x.size(), x.size()));
+  jackknife += inverse * prior * inverse;
   // Blocks do not show errors that are slower than they are, such as that of a constant force: the fit takes these from
   // the residual. The spectrum does show them, so that the larger variance counts.
-  const Eigen::MatrixXd sandwich = inverse * B * inverse;
-  const Eigen::VectorXd scale = (inverse.diagonal().array() / sandwich.diagonal().array().max(1e-300)).max(1.0).sqrt();
-  return scale.asDiagonal() * sandwich * scale.asDiagonal();
+  const Eigen::VectorXd scale = (inverse.diagonal().array() / jackknife.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  return scale.asDiagonal() * jackknife * scale.asDiagonal();
 }
 
 void Fit::refine() {
-  const double steps = std::max<double>(observer_.substeps, period() / kFineStep);
-  observer_.parts = kFineParts;
-  observer_.substeps = kFineParts * static_cast<int>(std::ceil(steps / kFineParts - 1e-9));
-  forget();
+  const double steps = std::max<double>(coarse_.substeps, period() / kFineStep);
+  const Eigen::VectorXd allowed = kIntegration * (floor_ / kFloor).cwiseSqrt();
+  for (int parts = kFineParts, isFine = 0; isFine == 0 && parts <= kMostParts; parts *= 2) {
+    (void)misfit();
+    const Residuals before = base_;
+    observer_.parts = parts;
+    observer_.substeps = parts * std::max(2, static_cast<int>(std::ceil(steps / parts - 1e-9)));
+    forget();
+    (void)misfit();
+    isFine = 1;
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      const double samples = static_cast<double>(pieces_[p].count);
+      const Eigen::VectorXd change = ((base_[p] - before[p]).rowwise().squaredNorm() / samples).cwiseSqrt();
+      // The error is of second order in the length of a part, so that it is a third of the change, or less.
+      if (((change / 3.0).array() > allowed.array()).any()) isFine = 0;
+    }
+  }
 }
 
 void Fit::add(const std::vector<Unknown>& unknowns) {

@@ -19,7 +19,8 @@
 namespace enamel::identify {
 
 inline constexpr double kFineStep = 5e-5;     // s, of refine()
-inline constexpr int kFineParts = 4;          // of a tick
+inline constexpr int kFineParts = 4;          // of a tick, at least
+inline constexpr double kNormal = 1.96;       // 95 % of the normal distribution
 inline constexpr double kNoiseBegin = 100.0;  // Hz
 
 class Fit {
@@ -44,10 +45,12 @@ class Fit {
   /// Return the minus log likelihood L at x, with its prior. Comparable for the same data.
   double misfit();
 
-  /// Return the covariance of x: A^-1 (B + P) A^-1. A is the information of data and prior, P that of the prior alone,
-  /// and B the sum of products of the scores of blocks of kBlock s. It holds for residuals of any spectrum and changing
-  /// variance (H. White 1980; blocks as W. Newey and K. West 1987). A variance below that of A^-1 is replaced by it. A
-  /// fixed unknown has zero rows.
+  /// Return the covariance of x, such that kNormal deviations are a 95 % interval. It is that of the jackknife: the
+  /// spread of the estimates without one block of kBlock s each, plus that of the prior. It holds for residuals of any
+  /// spectrum and changing variance, and for numbers that few blocks show (R. Bell and D. McCaffrey, "Bias reduction in
+  /// standard errors for linear regression with multi-stage samples", 2002). Student's distribution is wider than the
+  /// normal one: with R. Fisher's expansion (1925) by (kNormal^2 + 1) / (4 (blocks - 1)). A variance below the inverse
+  /// of the information is replaced by it. A fixed unknown has zero rows.
   Eigen::MatrixXd covariance();
 
   /// Return the share of the variance of the torque that the model explains below 20 Hz, for each joint.
@@ -69,8 +72,8 @@ class Fit {
   /// Return the deviation of each residual above kNoiseBegin, rad or m.
   Eigen::VectorXd noise();
 
-  /// Simulate in steps of kFineStep and kFineParts parts of a tick from now on. The derivatives remain those of the
-  /// coarse steps.
+  /// Simulate in steps of at most kFineStep from now on, in so many parts of a tick that errors of the integration are
+  /// small against the rounding of the encoders. The derivatives remain those of the coarse steps.
   void refine();
 
   /// Forget the simulation at x: reference() was changed.
@@ -90,13 +93,19 @@ class Fit {
     Eigen::Index first, count;  // ticks whose residuals count; those before are transient
     std::unique_ptr<Spectrum> spectrum;
   };
+  struct Block {
+    Eigen::MatrixXd information;
+    Eigen::VectorXd score;
+  };
   using Residuals = std::vector<Eigen::MatrixXd>;            // per piece, joints x ticks
   using Powers = std::vector<std::vector<Eigen::VectorXd>>;  // per piece and joint, at each frequency
 
-  Residuals residuals(const Eigen::VectorXd& at, int& left) const;
-  void updateSlopes(const Residuals& base);
+  Residuals residuals(const Eigen::VectorXd& at, const Observer& observer, int& left) const;
+  void updateSlopes();
   Powers powers(const Residuals& residuals, double corner) const;
   double cost(const Residuals& residuals, const Powers& powers) const;
+  Eigen::MatrixXd priorInformation() const;
+  std::vector<Block> blocks(const Powers& powers) const;
   double priorCost(const Eigen::VectorXd& at) const;
   void normalEquations(const Residuals& residuals, const Powers& powers, Eigen::MatrixXd& A, Eigen::VectorXd& b) const;
   Eigen::VectorXd stepOf(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double damping) const;
@@ -107,8 +116,8 @@ class Fit {
   std::vector<Unknown> unknowns_;
   const std::vector<RecordedMotion>& motions_;
   int threads_;
-  Observer observer_;
-  Eigen::VectorXd floor_;  // least power of a residual in each joint: a part of the encoder's rounding
+  Observer observer_, coarse_;  // coarse_: of the derivatives
+  Eigen::VectorXd floor_;       // least power of a residual in each joint: a part of the encoder's rounding
   std::vector<Piece> pieces_;
   std::vector<std::vector<Eigen::MatrixXf>> slopes_;  // per unknown and piece: d reading / d x
   Residuals base_;

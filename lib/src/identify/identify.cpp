@@ -29,8 +29,7 @@ constexpr double kLongestLag = 2e-3;                       // s, of slideDelay()
 constexpr double kSlide = 0.15;                            // ticks, its steps
 constexpr int kMostSpread = 3;                             // ticks, of a random delay
 constexpr double kCoggingEvidence = 30.0;                  // gain of the log likelihood that shows cogging
-constexpr double kSeen = 0.3;     // largest deviation of a seen number, of the one before the recording
-constexpr double kNormal = 1.96;  // 95 % of the normal distribution
+constexpr double kSeen = 0.3;  // largest deviation of a seen number, of the one before the recording
 
 // A delay and how well it explains the recording.
 struct Candidate {
@@ -262,7 +261,7 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   fit.use(0.0, end);
   fit.improve(8);
   fit.refine();
-  fit.improve(8, 0.0, true);
+  fit.improve(8);
   addEstimates(fit, file, result);
   result.problems = diagnose(fit, result.delay.low);
   addStatistics(fit, motions, end, result);

@@ -296,12 +296,15 @@ Simulated simulateJoints(const DeviceModel& model, const RecordedMotion& motion,
   Spring<Vector> spring(observer, motion.period);
   Simulated simulated;
   simulated.reading.resize(motion.reading.rows(), count);
+  Vector error = Vector::Zero(motion.reading.rows());
   for (Eigen::Index k = 0; k < count; ++k) {
     const Eigen::Index i = first + k;
     simulated.reading.col(k) = device.reading();
     if (k + 1 == count) break;
-    const Vector held = spring.torque(motion.reading.col(i) - device.reading());
     const auto at = static_cast<std::size_t>(i);
+    // Without a sample the last error holds: that of an interpolated reading grows with the acceleration.
+    if (motion.isSample[at] != 0) error = motion.reading.col(i) - device.reading();
+    const Vector held = spring.torque(error);
     const double duration = motion.time[at + 1] - motion.time[at];
     bool isPossible = true;
     motors.beginTick(i, step * duration);
@@ -313,6 +316,7 @@ Simulated simulateJoints(const DeviceModel& model, const RecordedMotion& motion,
     if (isPossible) continue;
     ++simulated.restarts;
     spring.restart();
+    error.setZero();
     (void)device.start(motion.reading.col(i));
   }
   return simulated;

@@ -62,6 +62,10 @@ std::string textOf(const Excitation& excitation);
 /// outside the duration. Realtime: yes.
 Vec6 wrenchAt(const Excitation& excitation, double time, const Pose& pose, const Vec6& twist) noexcept;
 
+/// Smooth the twist for wrenchAt(), once a tick: damping that is fast and late excites the resonance of cables.
+/// Realtime: yes.
+void smoothTwist(const Excitation& excitation, const Vec6& twist, Vec6& smoothed) noexcept;
+
 /// Return options of the guard for an excitation on a device: its force, moment, box and speeds. The energy may be that
 /// of the motion, because nobody touches a wall. Throws Error as guardFor(). Realtime: no.
 GuardOptions guardFor(const Mechanism& mechanism, const Excitation& excitation);
@@ -86,7 +90,8 @@ class ExcitationPlayer final : public TickSink {
   Excitation excitation_;
   HapticTick& haptics_;
   TickSink* next_;
-  double begin_ = -1.0;  // s, of the first tick; negative: none yet
+  double begin_ = -1.0;        // s, of the first tick; negative: none yet
+  Vec6 twist_ = Vec6::Zero();  // smoothed, m/s and rad/s
   std::atomic<bool> isOver_{false};
 };
 
