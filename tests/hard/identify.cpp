@@ -141,6 +141,7 @@ void identifyBlindly(test::BlindKind kind, const char* mechanism) {
     }
   }
   report(mechanism, tally);
+  if (devicesOfEach() == 0) return;  // one device and 8 s show the errors, but not how often the intervals are right
   for (const auto& [kind_, c] : tally.kinds) {
     INFO(mechanism << ": " << kind_ << ", " << c.covered << " of " << c.count);
     CHECK(levelOf(c) > 0.01);
