@@ -333,9 +333,9 @@ struct MinimaSearch : SolidQuery {
   // Whether a place in this direction is represented by a minimum that is not farther than `most`.
   bool isKnown(const Collected& found, const Eigen::Vector3f& way, float distance, float most) const {
     if (!found.has(way, most, kSameDirection)) return false;
-    // At smaller angles the interpolation does not resolve an edge.
-    const float turn = 2.0f / std::max(distance, 1.0f);
-    if (found.has(way, most, std::max(1.0f - 0.5f * turn * turn, kSameDirection))) return true;
+    // At small angles the edge of areWalls() is not resolved: there `beyond` is distance (1 - cosine) / 4.
+    const float resolved = 1.0f - 4.0f * static_cast<float>(kResolved) / std::max(distance * distance, 1.0f);
+    if (found.has(way, most, std::max(resolved, kSameDirection))) return true;
     const Eigen::Vector3f unit = way.stableNormalized();
     for (int i = 0; i < found.count; ++i)
       if (found.distance[i] <= most && found.direction(i).dot(unit) > kSameDirection &&
