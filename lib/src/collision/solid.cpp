@@ -303,7 +303,8 @@ int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed
             std::copy_n(after.data(), kBrickCells, row);
             row[kBrickCells] = after[kLanes - 1];
             int turned = 0;
-            for (int k = 0; k < kLanes; ++k) turned |= (before[k] < 0.0f) & (after[k] >= 0.0f);
+            for (int k = 0; k < kLanes; ++k)
+              turned |= static_cast<int>(before[k] < 0.0f) & static_cast<int>(after[k] >= 0.0f);
             isTurned = isTurned || turned != 0;
             const Row taken = shareOf(before) - shareOf(after);
             if (y == kBrickCells || z == kBrickCells || !(taken.maxCoeff() > 0.0f)) continue;

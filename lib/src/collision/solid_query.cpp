@@ -274,7 +274,8 @@ struct Collected {
     const float wayX = way.x(), wayY = way.y(), wayZ = way.z(), least = cosine * way.norm();
     int found = 0;
     for (int i = 0; i < kMaxSolidMinima; ++i)
-      found |= (distance[i] <= most) & (x[i] * wayX + y[i] * wayY + z[i] * wayZ > least);
+      found |=
+          static_cast<int>(distance[i] <= most) & static_cast<int>(x[i] * wayX + y[i] * wayY + z[i] * wayZ > least);
     return found != 0;
   }
 
