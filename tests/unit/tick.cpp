@@ -86,6 +86,31 @@ TEST_CASE("sense: pose, twist and gravity of the sample; the inertia only where 
   }
 }
 
+TEST_CASE("sense: after a sample that came late, the next one may be lost, late or in time", "[tick]") {
+  const Scene wall = flatWall();
+  for (const int lostAfter : {0, 1, 2}) {
+    Recorder renderer(false);
+    HapticTick tick(tau(), wall, Tool(), renderer, kPeriod);
+    Command command;
+    const auto give = [&](double periods, int age) {
+      Measurement m = sampleAt(test::poseAtDepth(1e-4), periods * kPeriod);
+      m.age = age;
+      INFO(lostAfter << ": " << periods << " " << age);
+      const double before = tick.frame().time;
+      CHECK(tick(m, command) == Status::ok);
+      CHECK(tick.frame().time > before);
+    };
+    give(1.0, 0);
+    give(2.0, 1);  // two lost samples: the prediction is at 3 periods
+    give(3.0, 2);
+    give(1.5, 0);  // they come late
+    for (int age = 1; age <= lostAfter; ++age) give(1.5 + age, age);
+    give(2.5, 0);
+    give(6.0, 0);
+    CHECK(tick.guard().fault() == GuardReason::none);
+  }
+}
+
 TEST_CASE("find contacts: at the pose of the tick, and where obstacles are now", "[tick]") {
   Scene scene = flatWall();
   Recorder renderer(false);

@@ -39,22 +39,22 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
 Status HapticTick::operator()(const Measurement& measurement, Command& command) noexcept {
   const bool isNext = measurement.age == 0 && measurement.time > sampleTime_ && measurement.time > frame_.time;
   const Status status = isNext ? tick(measurement) : tick(adjusted(measurement));
+  if (measurement.age == 0 && sampleTime_ != kNever) sampleTime_ = measurement.time;  // also if it was moved
   command.effort = frame_.command;
   return status;
 }
 
 // A sample that repeats its time stamp counts as lost while the guard bridges lost samples. A sample that is older than
-// the prediction before it is moved to shortly after it.
+// the prediction before it is moved to shortly after it. A lost one then follows by a period.
 Measurement HapticTick::adjusted(const Measurement& measurement) const noexcept {
   const double period = guard_.options().period;
   Measurement m = measurement;
   const bool isBridged = guard_.fault() == GuardReason::none && frame_.age < guard_.options().longestGap;
-  if (m.age == 0 && m.time == sampleTime_ && isBridged) {
-    m.age = frame_.age + 1;
-    m.time = frame_.time + period;
-  } else if (m.age == 0 && m.time > sampleTime_ && frame_.age > 0) {
-    m.time = std::max(m.time, frame_.time + kLeastStep * period);
-  }
+  const bool isRepeated = m.age == 0 && m.time == sampleTime_ && isBridged;
+  if (isRepeated) m.age = frame_.age + 1;
+  const bool isNewer = m.time > sampleTime_ && (sampleTime_ != kNever || frame_.age > 0);
+  if ((isRepeated || isNewer) && m.time < frame_.time + kLeastStep * period)
+    m.time = frame_.time + (m.age > 0 ? 1.0 : kLeastStep) * period;
   if (m.age > 0) {  // no sample from the device
     m.q = frame_.kinematics.q;
     m.rates = frame_.kinematics.rates;
