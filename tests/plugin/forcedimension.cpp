@@ -1,70 +1,34 @@
 // The driver of Force Dimension with a stand-in of the vendor's library: devices, axes, moments, faults, and a wall.
-#include <dlfcn.h>
-
-#include <thread>
-
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
-#include "enamel/plugin/driver_conformance.hpp"
 #include "enamel/session/session.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
 #include "support/devices.hpp"
-#include "support/eventually.hpp"
+#include "support/driver_bench.hpp"
 
 namespace enamel::test_forcedimension {
 
 using test::ContainsSubstring;
+using test::openAt;
 
 namespace {
 
 const std::string kFolder = ENAMEL_PLUGINS, kLibrary = ENAMEL_DHD_STAND_IN;
 
-// The stand-in in this process; the driver opens the same library.
-class StandIn {
- public:
-  StandIn() : handle_(dlopen(kLibrary.c_str(), RTLD_NOW | RTLD_LOCAL)) {
-    REQUIRE(handle_ != nullptr);
-    set_ = reinterpret_cast<void (*)(const char*, double)>(dlsym(handle_, "dhdStandIn"));
-    wrench_ = reinterpret_cast<double (*)(int)>(dlsym(handle_, "dhdStandInForce"));
+// An omega.3 at rest, without faults. Its forces have the axes of the SDK.
+struct StandIn : test::StandIn {
+  StandIn() : test::StandIn(kLibrary, "dhd") {
     for (const char* fault : {"unplugged", "early", "button", "turn-x", "turn-y", "turn-z", "place-z"}) set(fault, 0.0);
     set("power", 1.0);
     set("count", 1.0);
     set("model", 3.0);
   }
-  ~StandIn() { dlclose(handle_); }
-  StandIn(const StandIn&) = delete;
-  StandIn& operator=(const StandIn&) = delete;
-
-  void set(const char* what, double value) { set_(what, value); }
-  double wrench(int axis) const { return wrench_(axis); }  // in the axes of the SDK
-
- private:
-  void* handle_;
-  void (*set_)(const char*, double);
-  double (*wrench_)(int);
 };
 
 std::string urlOf(const std::string& index = "0") { return "forcedimension://" + index + "?library=" + kLibrary; }
 
-OpenedDevice openAt(const std::string& url) {
-  OpenDeviceOptions options;
-  options.pluginFolder = kFolder;
-  return openDevice(url, options);
-}
-
-struct Bench {
-  OpenedDevice opened = openAt(urlOf());
-  Measurement sample;
-  Command command{JointVector::Zero(opened.mechanism->joints())};
-
-  Bench() { opened.device->open(); }
-  ~Bench() { opened.device->close(); }
-  Status tick() {
-    (void)opened.device->actuate(command);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    return opened.device->measure(sample);
-  }
+struct Bench : test::DriverBench {
+  Bench() : test::DriverBench(urlOf()) {}
 };
 
 }  // namespace
@@ -75,21 +39,9 @@ TEST_CASE("the Force Dimension driver keeps the contract on each device, and all
        {std::pair<double, const char*>{3.0, "omega-3.toml"}, {6.0, "omega-6.toml"}, {7.0, "sigma-7.toml"}}) {
     standIn.set("model", model);
     CHECK(openAt(urlOf()).text == readFile(test::deviceFile(file)));
-    DriverConformanceOptions options;
-    options.options = {{"library", kLibrary}};
-    options.duration = 0.1;
-    std::string failed;
-    CHECK(checkDriver(findDriver("forcedimension", kFolder), options, [&](const ConformanceResult& result) {
-      if (result.verdict == ConformanceResult::Verdict::failed) failed += result.what + ": " + result.detail + "\n";
-    }));
-    CHECK(failed.empty());
+    test::checkContract("forcedimension", kLibrary);
   }
-  const auto check = test::run("check-driver forcedimension '0?library=" + kLibrary + "'");
-  INFO(check.output);
-  CHECK(check.status == 0);
-#ifndef ENAMEL_SANITIZED
-  CHECK_THAT(check.output, ContainsSubstring("passed       allocates nothing in measure and actuate"));
-#endif
+  test::checkByCommand("forcedimension", "0?library=" + kLibrary);
 }
 
 TEST_CASE("refusals of the Force Dimension driver give the reason", "[forcedimension]") {
@@ -127,7 +79,7 @@ TEST_CASE("positions and forces of each Force Dimension device have the axes of 
     CHECK(bench.sample.enabled);
     bench.command.effort[0] = 1e3;
     (void)bench.tick();
-    CHECK(std::abs(standIn.wrench(1)) <= 20.0);  // x of W is y of the SDK
+    CHECK(std::abs(standIn.force(1)) <= 20.0);  // x of W is y of the SDK
     CHECK(bench.sample.gripper.has_value() == (model == 7.0));
   }
 }
@@ -156,7 +108,7 @@ TEST_CASE("rotations and moments of Force Dimension devices have the axes of W",
     (void)bench.opened.device->actuate(bench.command);
     const double moment = model == 7.0 ? 1.0 : 0.0;
     const double wanted[] = {0.3, 0.1, 0.2, moment * 0.03, moment * 0.01, moment * -0.02};
-    for (int i = 0; i < 6; ++i) CHECK(standIn.wrench(i) == Approx(wanted[i]).margin(1e-9));
+    for (int i = 0; i < 6; ++i) CHECK(standIn.force(i) == Approx(wanted[i]).margin(1e-9));
     standIn.set("turn-x", 0.0);
     standIn.set("turn-y", 0.0);
   }
@@ -200,7 +152,7 @@ TEST_CASE("a session feels a wall with the Force Dimension driver", "[forcedimen
   REQUIRE(test::eventually([&] {
     if (session.snapshot().fault != GuardReason::none) session.reset();  // on a busy machine a tick may come late
     // The hand has 100 N/m, and its force along z is x of the SDK.
-    return session.snapshot().tick.mode == RenderMode::contact && std::abs(standIn.wrench(0) - 0.2) < 0.05;
+    return session.snapshot().tick.mode == RenderMode::contact && std::abs(standIn.force(0) - 0.2) < 0.05;
   }));
   session.stop();
 }

@@ -1,74 +1,35 @@
 // The driver of OpenHaptics with a stand-in of the vendor's library: devices, axes, errors, a silent host, and a wall.
-#include <dlfcn.h>
-
-#include <thread>
-
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
-#include "enamel/plugin/driver_conformance.hpp"
 #include "enamel/session/session.hpp"
 #include "support/catch.hpp"
-#include "support/command.hpp"
 #include "support/devices.hpp"
-#include "support/eventually.hpp"
+#include "support/driver_bench.hpp"
 
 namespace enamel::test_openhaptics {
 
 using test::ContainsSubstring;
+using test::openAt;
 
 namespace {
 
 const std::string kFolder = ENAMEL_PLUGINS, kLibrary = ENAMEL_HD_STAND_IN;
 
-// The stand-in in this process; the driver opens the same library.
-class StandIn {
- public:
-  StandIn() : handle_(dlopen(kLibrary.c_str(), RTLD_NOW | RTLD_LOCAL)) {
-    REQUIRE(handle_ != nullptr);
-    set_ = reinterpret_cast<void (*)(const char*, double)>(dlsym(handle_, "hdStandIn"));
-    force_ = reinterpret_cast<double (*)(int)>(dlsym(handle_, "hdStandInForce"));
+// At rest, without faults.
+struct StandIn : test::StandIn {
+  StandIn() : test::StandIn(kLibrary, "hd") {
     for (const char* fault : {"touch-x", "absent", "max-force", "button", "unplugged", "fault", "warm", "uncalibrated",
                               "stalled", "manual", "place-z", "turn-x", "turn-y", "turn-z"})
       set(fault, 0.0);
   }
-  ~StandIn() { dlclose(handle_); }
-  StandIn(const StandIn&) = delete;
-  StandIn& operator=(const StandIn&) = delete;
-
-  void set(const char* what, double value) { set_(what, value); }
-  Vec3 force() const { return {force_(0), force_(1), force_(2)}; }
-
- private:
-  void* handle_;
-  void (*set_)(const char*, double);
-  double (*force_)(int);
 };
 
 std::string urlOf(const std::string& name = "Default Device") {
   return "openhaptics://" + name + "?library=" + kLibrary;
 }
 
-OpenedDevice openAt(const std::string& url) {
-  OpenDeviceOptions options;
-  options.pluginFolder = kFolder;
-  return openDevice(url, options);
-}
-
-struct Bench {
-  OpenedDevice opened = openAt(urlOf());
-  Measurement sample;
-  Command command{JointVector::Zero(opened.mechanism->joints())};
-
-  Bench() { opened.device->open(); }
-  ~Bench() { opened.device->close(); }
-  Status tick() {
-    (void)opened.device->actuate(command);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    return opened.device->measure(sample);
-  }
-  bool soon(const std::function<bool()>& isTrue) {
-    return test::eventually([&] { return tick() == Status::ok && isTrue(); });
-  }
+struct Bench : test::DriverBench {
+  Bench() : test::DriverBench(urlOf()) {}
 };
 
 }  // namespace
@@ -82,20 +43,8 @@ TEST_CASE("the OpenHaptics driver keeps the contract on each device, and allocat
     CHECK(opened.poll > 0.0);  // the loop follows the vendor's scheduler
   }
   standIn.set("touch-x", 0.0);
-  DriverConformanceOptions options;
-  options.options = {{"library", kLibrary}};
-  options.duration = 0.1;
-  std::string failed;
-  CHECK(checkDriver(findDriver("openhaptics", kFolder), options, [&](const ConformanceResult& result) {
-    if (result.verdict == ConformanceResult::Verdict::failed) failed += result.what + ": " + result.detail + "\n";
-  }));
-  CHECK(failed.empty());
-  const auto check = test::run("check-driver openhaptics 'Default Device?library=" + kLibrary + "'");
-  INFO(check.output);
-  CHECK(check.status == 0);
-#ifndef ENAMEL_SANITIZED
-  CHECK_THAT(check.output, ContainsSubstring("passed       allocates nothing in measure and actuate"));
-#endif
+  test::checkContract("openhaptics", kLibrary);
+  test::checkByCommand("openhaptics", "Default Device?library=" + kLibrary);
 }
 
 TEST_CASE("refusals of the OpenHaptics driver name the error, its number, and what to do", "[openhaptics]") {

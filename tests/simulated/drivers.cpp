@@ -1,7 +1,5 @@
 // Every driver with the faults of its stand-in in simulated time: 30 minutes with ENAMEL_LONG=1, otherwise 20 s. This
 // program replaces the clock of C++: driver, stand-in and loop see the time that the test advances.
-#include <dlfcn.h>
-
 #include <atomic>
 #include <chrono>
 #include <iostream>
@@ -13,6 +11,7 @@
 #include "enamel/session/open_device.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
+#include "support/driver_bench.hpp"
 #ifdef ENAMEL_HAPLY_SERVICE
 #include "support/haply_service.hpp"
 #endif
@@ -186,54 +185,35 @@ void check(const std::string& name, const Rig& rig) {
   CHECK(result.unexpected == "");
 }
 
-#if defined(ENAMEL_DHD_STAND_IN) || defined(ENAMEL_HD_STAND_IN)
-class Library {
- public:
-  explicit Library(const char* file) : handle_(dlopen(file, RTLD_NOW | RTLD_LOCAL)) { REQUIRE(handle_ != nullptr); }
-  ~Library() { dlclose(handle_); }
-  Library(const Library&) = delete;
-  Library& operator=(const Library&) = delete;
-  template <typename Function>
-  Function* find(const char* name) const {
-    return reinterpret_cast<Function*>(dlsym(handle_, name));
-  }
-
- private:
-  void* handle_;
-};
-#endif
-
 }  // namespace
 
 #ifdef ENAMEL_DHD_STAND_IN
 TEST_CASE("the Force Dimension driver in simulated time, with faults", "[drivers]") {
-  const Library library(ENAMEL_DHD_STAND_IN);
-  const auto set = library.find<void(const char*, double)>("dhdStandIn");
-  const auto force = library.find<double(int)>("dhdStandInForce");
+  const test::StandIn standIn(ENAMEL_DHD_STAND_IN, "dhd");
+  const auto set = [&](const char* what, double value) { standIn.set(what, value); };
   set("model", 3.0);
   Rig rig{std::string("forcedimension://0?library=") + ENAMEL_DHD_STAND_IN, std::sqrt(3.0) * 12.0, [] {},
-          [=] { return Vec3(force(0), force(1), force(2)).norm(); }};
-  rig.place = [=](double z) { set("place-z", z); };
-  rig.faults = {{"early", [=](bool on) { set("early", on); }},
-                {"forces cut", [=](bool on) { set("forces", !on); }},
-                {"unplugged", [=](bool on) { set("unplugged", on); }}};
+          [&] { return standIn.force().norm(); }};
+  rig.place = [&](double z) { set("place-z", z); };
+  rig.faults = {{"early", [&](bool on) { set("early", on); }},
+                {"forces cut", [&](bool on) { set("forces", !on); }},
+                {"unplugged", [&](bool on) { set("unplugged", on); }}};
   check("forcedimension", rig);
 }
 #endif
 
 #ifdef ENAMEL_HD_STAND_IN
 TEST_CASE("the OpenHaptics driver in simulated time, with faults", "[drivers]") {
-  const Library library(ENAMEL_HD_STAND_IN);
-  const auto set = library.find<void(const char*, double)>("hdStandIn");
-  const auto force = library.find<double(int)>("hdStandInForce");
-  const auto periods = library.find<void(int)>("hdStandInPeriods");
+  const test::StandIn standIn(ENAMEL_HD_STAND_IN, "hd");
+  const auto set = [&](const char* what, double value) { standIn.set(what, value); };
+  const auto periods = standIn.find<void(int)>("hdStandInPeriods");
   set("manual", 1.0);
   Rig rig{std::string("openhaptics://Default Device?library=") + ENAMEL_HD_STAND_IN, 3.3, [=] { periods(1); },
-          [=] { return Vec3(force(0), force(1), force(2)).norm(); }};
-  rig.place = [=](double z) { set("place-z", z); };
-  rig.faults = {{"stalled", [=](bool on) { set("stalled", on); }, true},
-                {"warm", [=](bool on) { set("warm", on); }},
-                {"unplugged", [=](bool on) { set("unplugged", on); }}};
+          [&] { return standIn.force().norm(); }};
+  rig.place = [&](double z) { set("place-z", z); };
+  rig.faults = {{"stalled", [&](bool on) { set("stalled", on); }, true},
+                {"warm", [&](bool on) { set("warm", on); }},
+                {"unplugged", [&](bool on) { set("unplugged", on); }}};
   check("openhaptics", rig);
   set("manual", 0.0);
 }
