@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "enamel/core/cholesky.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/sim/random.hpp"
 
@@ -11,6 +12,7 @@ namespace enamel {
 namespace {
 
 constexpr double kPresliding = 2e-4;  // z_c, rad
+constexpr double kPhase = 0.25;       // of the resonance in a step, rad, at most
 
 // Draws the tolerances of a device.
 class Draw {
@@ -95,6 +97,41 @@ double cableTorque(const Imperfections& e, double stretch, double rate) {
   return pull > 0.0 ? std::copysign(e.cableStiffness * pull, stretch) + e.cableDamping * rate : 0.0;
 }
 
+// A vector of the joints, and zeros up to the size of a padded one.
+template <typename Padded>
+Padded padded(const JointVector& v) noexcept {
+  Padded p = Padded::Zero();
+  p.head(v.size()) = v;
+  return p;
+}
+
+// The inverse of a mass matrix. Returns false if it is not positive definite.
+template <typename Matrix>
+bool invert(const JointMatrix& inertia, Matrix& inverse) noexcept {
+  const int n = static_cast<int>(inertia.rows());
+  double lower[kMaxJoints][kMaxJoints];
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j) lower[i][j] = inertia(i, j);
+  Cholesky<kMaxJoints> factor;
+  if (!factor.factor(lower, n)) return false;
+  inverse.setZero();
+  for (int j = 0; j < n; ++j) {
+    inverse(j, j) = 1.0;
+    factor.solve(&inverse(0, j));
+  }
+  return true;
+}
+
+// Move a platform by `way`, [m; rad].
+DeviceState shifted(const DeviceState& from, const Vec6& way) noexcept {
+  DeviceState to = from;
+  to.position += way.head<3>();
+  // The quaternion of a small rotation, normalised: its angle is atan(|way| / 2) * 2.
+  to.orientation.coeffs() += detail::orientationRate(from, way);
+  to.orientation.normalize();
+  return to;
+}
+
 }  // namespace
 
 ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uint64_t seed, std::uint32_t number) {
@@ -125,112 +162,170 @@ ImperfectPlant::ImperfectPlant(ImperfectDevice device, double step) noexcept
   complete(device_.coulombFriction, device_.imperfections.coulombFriction);
   complete(device_.cogging, device_.imperfections.cogging);
   complete(device_.coggingPhase, 0.0);
-}
-
-ImperfectPlant::State moved(const ImperfectPlant::State& state, const ImperfectPlant::Slope& slope, double h) noexcept {
-  ImperfectPlant::State s = state;
-  s.link = detail::moved(state.link, slope.link, h);
-  s.rotors.angle += h * slope.speed;
-  s.rotors.speed += h * slope.acceleration;
-  return s;
-}
-
-ImperfectPlant::Slope weighted(const ImperfectPlant::Slope& k1, const ImperfectPlant::Slope& k2,
-                               const ImperfectPlant::Slope& k3, const ImperfectPlant::Slope& k4) noexcept {
-  return {detail::weighted(k1.link, k2.link, k3.link, k4.link), k1.speed + 2.0 * (k2.speed + k3.speed) + k4.speed,
-          k1.acceleration + 2.0 * (k2.acceleration + k3.acceleration) + k4.acceleration};
+  const double cable = device_.imperfections.cableStiffness,
+               friction = device_.coulombFriction.maxCoeff() / kPresliding,
+               link = mechanism().home().inertia.inverse().norm();
+  resonance_ = std::sqrt(isRigid() ? friction * link : cable * link + (cable + friction) / device_.rotorInertia);
 }
 
 Status ImperfectPlant::start(const Pose& pose) {
   Kinematics kinematics;
   if (const Status status = rest(pose, kinematics); status != Status::ok) return status;
-  rotors_.angle = kinematics.q + windUp(device_.imperfections, kinematics.gravity);
-  rotors_.speed = rotors_.presliding = JointVector::Zero(kinematics.q.size());
-  rotors_.current = kinematics.gravity;
+  Motion motion;
+  motion.platform = state_;
+  if (const Status status = linearize(state_, kinematics, motion.linear); status != Status::ok) return status;
+  const Padded q = padded<Padded>(kinematics.q), none = Padded::Zero();
+  motion.drives = {q, none, q + padded<Padded>(windUp(device_.imperfections, kinematics.gravity)), none};
+  motion.current = padded<Padded>(kinematics.gravity);
+  motion.presliding = none;
+  motion_ = motion;
   return Status::ok;
 }
 
-void ImperfectPlant::read(const Kinematics&, JointVector& q, JointVector& rates) const noexcept {
-  q = rotors_.angle + device_.offset;
-  rates = rotors_.speed;
+void ImperfectPlant::read(const Kinematics& truth, JointVector& q, JointVector& rates) const noexcept {
+  const Eigen::Index n = device_.offset.size();
+  q = truth.q;
+  rates = truth.rates;
+  if (!isRigid()) {
+    q = motion_.drives.angle.head(n);
+    rates = motion_.drives.speed.head(n);
+  }
+  q += device_.offset;
 }
 
 Status ImperfectPlant::advance(double time, double duration, const JointVector& torque,
                                const ExternalWrench& load) noexcept {
   if (!(duration > 0.0)) return Status::ok;
-  const double steps = std::ceil(duration / step_ - 1e-9), h = duration / steps;
-  State state{state_, rotors_};
-  for (int i = 0; i < steps; ++i) {
-    if (const Status s = step(time + i * h, h, torque, load, state); s != Status::ok) return s;
-    if (!isWithinSpeedLimits(state.link)) return Status::outOfRange;
+  const double parts = std::ceil(duration / step_ - 1e-9), part = duration / parts;
+  JointVector asked = torque;
+  if (const double step = device_.imperfections.torqueStep; step > 0.0)
+    for (double& t : asked) t = step * std::nearbyint(t / step);
+  asked.array() *= device_.torqueConstant.array();
+  const Padded constant = padded<Padded>(asked);
+  Motion motion = motion_;
+  for (int i = 0; i < parts; ++i) {
+    if (const Status s = movePart(time + i * part, part, constant, load, motion); s != Status::ok) return s;
+    if (!isWithinSpeedLimits(motion.platform)) return Status::outOfRange;
   }
-  state_ = state.link;
-  rotors_ = state.rotors;
+  motion_ = motion;
+  state_ = motion.platform;
   return Status::ok;
 }
 
-// Advance current and friction by h at constant speeds.
-void ImperfectPlant::relax(double h, const JointVector& command, Rotors& rotors) const noexcept {
-  const Imperfections& e = device_.imperfections;
-  const double lag = e.currentBandwidth > 0.0 ? -std::expm1(-2.0 * M_PI * e.currentBandwidth * h) : 1.0;
-  for (Eigen::Index i = 0; i < command.size(); ++i) {
-    const double asked = e.torqueStep > 0.0 ? e.torqueStep * std::nearbyint(command[i] / e.torqueStep) : command[i];
-    rotors.current[i] += lag * (device_.torqueConstant[i] * asked - rotors.current[i]);
-    const double limit = std::copysign(kPresliding, rotors.speed[i]);
-    rotors.presliding[i] =
-        limit + (rotors.presliding[i] - limit) * std::exp(-std::abs(rotors.speed[i]) * h / kPresliding);
+Status ImperfectPlant::linearize(const DeviceState& state, Kinematics& kinematics, Linear& linear) const noexcept {
+  const Pose pose = state.pose();
+  const JointVector none = JointVector::Zero(mechanism().joints());
+  Vec6 free;
+  if (const Status s = mechanism().reach(pose, state.twist, true, kinematics); s != Status::ok) return s;
+  if (const Status s = mechanism().accelerate(pose, state.twist, none, Vec6::Zero(), free); s != Status::ok) return s;
+  const Eigen::Index n = kinematics.q.size();
+  linear.jacobian.setZero();
+  linear.jacobian.leftCols(n) = kinematics.jacobian;
+  linear.free = padded<Padded>(kinematics.inverseTransposed.transpose().lazyProduct(free));
+  return invert(kinematics.inertia, linear.mobility) ? Status::ok : Status::singular;
+}
+
+Status ImperfectPlant::movePart(double time, double duration, const Padded& asked, const ExternalWrench& load,
+                                Motion& motion) const noexcept {
+  DeviceState& platform = motion.platform;
+  Drives& drives = motion.drives;
+  Linear& linear = motion.linear;
+  const auto pushed = [&](double t, const DeviceState& at) {
+    const Padded effort = linear.jacobian.transpose().lazyProduct(load(t, at.pose(), at.twist));
+    return Padded(linear.free + linear.mobility.lazyProduct(effort));
+  };
+  // The state in the middle follows from that at the beginning, with the mechanism of the part before.
+  const double half = 0.5 * duration;
+  const Padded torque = torqueAt(drives.angle, motion.current, motion.presliding);
+  const Padded begin = slopeOf(drives, torque, pushed(time, platform), linear).rates;
+  Vec6 acceleration = linear.jacobian.lazyProduct(begin);
+  const Vec6 way = half * (platform.twist + 0.5 * half * acceleration);
+  DeviceState middle = shifted(platform, way);
+  middle.twist += half * acceleration;
+  Kinematics kinematics;
+  if (const Status s = linearize(middle, kinematics, linear); s != Status::ok) return s;
+
+  const Eigen::Index n = kinematics.q.size();
+  drives.q.head(n) = kinematics.q - kinematics.inverseTransposed.transpose().lazyProduct(way);
+  drives.rates.head(n) = kinematics.inverseTransposed.transpose().lazyProduct(platform.twist);
+  if (isRigid()) {
+    drives.angle = drives.q;
+    drives.speed = drives.rates;
+  }
+  const double steps = std::max(1.0, std::ceil(resonance_ * duration / kPhase)), h = duration / steps;
+  for (int i = 0; i < steps; ++i) {
+    slide(i == 0 ? 0.5 * h : h, motion);
+    middle = shifted(platform, 0.5 * h * platform.twist);
+    middle.twist += 0.5 * h * acceleration;
+    const Padded mean = meanCurrent(h, asked, motion.current), before = drives.q;
+    const Padded motor = torqueAt(drives.angle + 0.5 * h * drives.speed, mean, motion.presliding),
+                 other = pushed(time + (i + 0.5) * h, middle);
+    if (isRigid()) {
+      const Drives slope = slopeOf(drives, motor, other, linear);
+      drives.q += h * (drives.rates + 0.5 * h * slope.rates);
+      drives.rates += h * slope.rates;
+      drives.angle = drives.q;
+      drives.speed = drives.rates;
+    } else {
+      const auto slopeAt = [&](double, const Drives& s, Drives& slope) {
+        slope = slopeOf(s, motor, other, linear);
+        return Status::ok;
+      };
+      (void)detail::rungeKutta4<Drives>(0.0, h, slopeAt, drives);
+    }
+    const Vec6 twist = linear.jacobian.lazyProduct(drives.rates);
+    acceleration = (twist - platform.twist) / h;
+    platform = shifted(platform, linear.jacobian.lazyProduct(drives.q - before));
+    platform.twist = twist;
+  }
+  slide(0.5 * h, motion);
+  return Status::ok;
+}
+
+// Advance the currents by h. Return their mean in that time.
+ImperfectPlant::Padded ImperfectPlant::meanCurrent(double h, const Padded& asked, Padded& current) const noexcept {
+  const double rate = 2.0 * M_PI * device_.imperfections.currentBandwidth;
+  if (rate == 0.0) return current = asked;
+  const double share = -std::expm1(-rate * h);
+  const Padded mean = asked + share / (rate * h) * (current - asked);
+  current += share * (asked - current);
+  return mean;
+}
+
+// Advance the friction by h at constant speeds.
+void ImperfectPlant::slide(double h, Motion& motion) const noexcept {
+  for (Eigen::Index i = 0; i < device_.offset.size(); ++i) {
+    const double speed = motion.drives.speed[i], limit = std::copysign(kPresliding, speed);
+    motion.presliding[i] = limit + (motion.presliding[i] - limit) * std::exp(-std::abs(speed) * h / kPresliding);
   }
 }
 
 // Torque of the motors minus friction.
-JointVector ImperfectPlant::torqueOf(const Rotors& rotors) const noexcept {
+ImperfectPlant::Padded ImperfectPlant::torqueAt(const Padded& angle, const Padded& current,
+                                                const Padded& presliding) const noexcept {
   const Imperfections& e = device_.imperfections;
-  JointVector torque = rotors.current;
-  for (Eigen::Index i = 0; i < torque.size(); ++i)
-    torque[i] += (e.torqueRipple * torque[i] + device_.cogging[i]) *
-                     std::sin(e.periods * rotors.angle[i] + device_.coggingPhase[i]) -
-                 device_.coulombFriction[i] * rotors.presliding[i] / kPresliding;
+  Padded torque = current;
+  for (Eigen::Index i = 0; i < device_.cogging.size(); ++i)
+    torque[i] +=
+        (e.torqueRipple * torque[i] + device_.cogging[i]) * std::sin(e.periods * angle[i] + device_.coggingPhase[i]) -
+        device_.coulombFriction[i] * presliding[i] / kPresliding;
   return torque;
 }
 
-Status ImperfectPlant::step(double time, double h, const JointVector& command, const ExternalWrench& load,
-                            State& state) const noexcept {
-  relax(0.5 * h, command, state.rotors);
-  const Status status = isRigid() ? moveRigidly(time, h, load, state) : move(time, h, load, state);
-  relax(0.5 * h, command, state.rotors);
-  return status;
-}
-
-Status ImperfectPlant::moveRigidly(double time, double h, const ExternalWrench& load, State& state) const noexcept {
-  if (const Status s = stepRungeKutta4(mechanism(), time, h, torqueOf(state.rotors), load, state.link); s != Status::ok)
-    return s;
-  Kinematics kinematics;
-  if (const Status s = mechanism().reach(state.link.pose(), state.link.twist, false, kinematics); s != Status::ok)
-    return s;
-  state.rotors.angle = kinematics.q;
-  state.rotors.speed = kinematics.rates;
-  return Status::ok;
-}
-
-Status ImperfectPlant::move(double time, double h, const ExternalWrench& load, State& state) const noexcept {
-  const auto slopeAt = [&](double t, const State& s, Slope& slope) { return this->slopeAt(t, s, load, slope); };
-  const Status status = detail::rungeKutta4<Slope>(time, h, slopeAt, state);
-  if (status == Status::ok) state.link.orientation.normalize();
-  return status;
-}
-
-Status ImperfectPlant::slopeAt(double time, const State& state, const ExternalWrench& load,
-                               Slope& slope) const noexcept {
-  Kinematics kinematics;
-  const Pose pose{state.link.position, state.link.orientation.normalized().toRotationMatrix()};
-  if (const Status s = mechanism().reach(pose, state.link.twist, false, kinematics); s != Status::ok) return s;
-  JointVector cable = kinematics.q;
-  for (Eigen::Index i = 0; i < cable.size(); ++i)
-    cable[i] = cableTorque(device_.imperfections, state.rotors.angle[i] - kinematics.q[i],
-                           state.rotors.speed[i] - kinematics.rates[i]);
-  slope.speed = state.rotors.speed;
-  slope.acceleration = (torqueOf(state.rotors) - cable) / device_.rotorInertia;
-  return detail::slopeAt(mechanism(), time, state.link, cable, load, slope.link);
+ImperfectPlant::Drives ImperfectPlant::slopeOf(const Drives& drives, const Padded& torque, const Padded& pushed,
+                                               const Linear& linear) const noexcept {
+  Drives slope{drives.rates, pushed, drives.speed, pushed};
+  if (isRigid()) {
+    slope.rates += linear.mobility.lazyProduct(torque);
+    slope.speed = slope.rates;
+    return slope;
+  }
+  Padded pull = drives.q;
+  for (Eigen::Index i = 0; i < pull.size(); ++i)
+    pull[i] = cableTorque(device_.imperfections, drives.angle[i] - drives.q[i], drives.speed[i] - drives.rates[i]);
+  slope.rates += linear.mobility.lazyProduct(pull);
+  slope.speed = (torque - pull) / device_.rotorInertia;
+  return slope;
 }
 
 }  // namespace enamel

@@ -40,9 +40,10 @@ ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uin
 /// part of the mechanism. The encoders are on the rotors.
 class ImperfectPlant final : public Plant {
  public:
-  /// Integrate in steps of at most `step` s (Strang 1968). Each step has three parts: half a step of current and
-  /// friction, exact at constant speed; the motion by RK4; the other half of current and friction.
-  explicit ImperfectPlant(ImperfectDevice device, double step = 5e-5) noexcept;
+  /// Integrate in parts of at most `step` s. In a part the mechanism is linear: it has the inertia and the free
+  /// acceleration of its middle. Rotors, cables, friction and the load move in shorter steps, 25 or more in a period of
+  /// the cable's resonance. All errors are of second order in `step`.
+  explicit ImperfectPlant(ImperfectDevice device, double step = 2.5e-4) noexcept;
 
   [[nodiscard]] std::unique_ptr<Plant> clone() const override { return std::make_unique<ImperfectPlant>(*this); }
   [[nodiscard]] Status start(const Pose& pose) override;
@@ -52,33 +53,46 @@ class ImperfectPlant final : public Plant {
   void read(const Kinematics& truth, JointVector& q, JointVector& rates) const noexcept override;
 
  private:
-  struct Rotors {
-    JointVector angle, speed;         // th, w
-    JointVector current, presliding;  // m, z
-  };
-  struct State {
-    DeviceState link;
-    Rotors rotors;
-  };
-  struct Slope {
-    DeviceSlope link;
-    JointVector speed, acceleration;  // of the rotors
-  };
-  friend State moved(const State& state, const Slope& slope, double h) noexcept;
-  friend Slope weighted(const Slope& k1, const Slope& k2, const Slope& k3, const Slope& k4) noexcept;
+  // Numbers of all joints in a size that the compiler unrolls; those of joints that do not exist are 0.
+  using Padded = Eigen::Matrix<double, kMaxJoints + 1, 1>;
+  // Joints and rotors in motion, or their slopes.
+  struct Drives {
+    Padded q, rates;      // of the joints
+    Padded angle, speed;  // of the rotors: th, w; as the joints if the transmission is rigid
 
+    friend Drives moved(const Drives& s, const Drives& slope, double h) noexcept {
+      return {s.q + h * slope.q, s.rates + h * slope.rates, s.angle + h * slope.angle, s.speed + h * slope.speed};
+    }
+    friend Drives weighted(const Drives& k1, const Drives& k2, const Drives& k3, const Drives& k4) noexcept {
+      return {k1.q + 2.0 * (k2.q + k3.q) + k4.q, k1.rates + 2.0 * (k2.rates + k3.rates) + k4.rates,
+              k1.angle + 2.0 * (k2.angle + k3.angle) + k4.angle, k1.speed + 2.0 * (k2.speed + k3.speed) + k4.speed};
+    }
+  };
+  // The mechanism near one state: q'' = free + mobility (T + J^T F).
+  struct Linear {
+    Eigen::Matrix<double, 6, kMaxJoints + 1> jacobian;
+    Padded free;
+    Eigen::Matrix<double, kMaxJoints + 1, kMaxJoints + 1> mobility;
+  };
+  struct Motion {
+    DeviceState platform;
+    Drives drives;
+    Padded current, presliding;  // m, z
+    Linear linear;               // at the middle of the last part
+  };
   bool isRigid() const noexcept { return device_.imperfections.cableStiffness == 0.0; }
-  Status step(double time, double h, const JointVector& command, const ExternalWrench& load,
-              State& state) const noexcept;
-  void relax(double h, const JointVector& command, Rotors& rotors) const noexcept;
-  Status moveRigidly(double time, double h, const ExternalWrench& load, State& state) const noexcept;
-  Status move(double time, double h, const ExternalWrench& load, State& state) const noexcept;
-  Status slopeAt(double time, const State& state, const ExternalWrench& load, Slope& slope) const noexcept;
-  JointVector torqueOf(const Rotors& rotors) const noexcept;
+  Status linearize(const DeviceState& state, Kinematics& kinematics, Linear& linear) const noexcept;
+  Status movePart(double time, double duration, const Padded& asked, const ExternalWrench& load,
+                  Motion& motion) const noexcept;
+  Padded meanCurrent(double h, const Padded& asked, Padded& current) const noexcept;
+  void slide(double h, Motion& motion) const noexcept;
+  Padded torqueAt(const Padded& angle, const Padded& current, const Padded& presliding) const noexcept;
+  Drives slopeOf(const Drives& drives, const Padded& torque, const Padded& pushed, const Linear& linear) const noexcept;
 
   ImperfectDevice device_;
-  double step_;
-  Rotors rotors_;
+  double step_;       // s
+  double resonance_;  // the highest of rotors, cables and friction, or more, rad/s
+  Motion motion_;     // its platform is state()
 };
 
 }  // namespace enamel
