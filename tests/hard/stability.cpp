@@ -37,10 +37,10 @@ class Heavier final : public Mechanism {
     setHome();
   }
   Status track(const JointVector& q, const JointVector& rates, bool inertia, Kinematics& k) const noexcept override {
-    return mechanism_->track(q, rates, inertia, k);
+    return scaled(mechanism_->track(q, rates, inertia, k), k);
   }
   Status reach(const Pose& pose, const Vec6& twist, bool inertia, Kinematics& k) const noexcept override {
-    return mechanism_->reach(pose, twist, inertia, k);
+    return scaled(mechanism_->reach(pose, twist, inertia, k), k);
   }
   Status accelerate(const Pose& pose, const Vec6& twist, const JointVector& torque, const Vec6& wrench,
                     Vec6& acceleration) const noexcept override {
@@ -51,9 +51,16 @@ class Heavier final : public Mechanism {
   std::vector<Bar> bars(const Pose& pose) const override { return mechanism_->bars(pose); }
 
  private:
+  Status scaled(Status status, Kinematics& k) const noexcept {
+    if (status == Status::ok) k.inertia *= factor_;
+    return status;
+  }
+
   std::shared_ptr<const Mechanism> mechanism_;
   const double& factor_;
 };
+
+constexpr double kLost = 0.02;  // m, as in a wall design
 
 // A plant whose commands act a part of a tick late.
 class Late final : public Plant {
@@ -101,15 +108,6 @@ class Driver final : public HapticDevice {
   VirtualDevice& device_;
 };
 
-template <typename Change>
-void changeImperfections(DeviceParameters& device, const Change& change) {
-  std::visit(
-      [&](auto& d) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(d)>, CartesianParameters>) change(d.imperfections);
-      },
-      device);
-}
-
 struct Setup {
   DeviceParameters device;
   int delay = 0;  // assumed, ticks
@@ -150,7 +148,6 @@ class Loop {
       wrench.head<3>() -= push * normal_;
       return wrench;
     };
-    constexpr double kLost = 0.02;  // m, as in a wall design
     const DeviceState before = device_->state(), &now = device_->state();
     const double time = device_->time();
     if (device_->advance(hand) != Status::ok) return false;
@@ -165,7 +162,7 @@ class Loop {
     const DeviceState& s = device_->state();
     REQUIRE(device_->plant().mechanism().reach(s.pose(), s.twist, true, k) == Status::ok);
     const JointMatrix inertia = k.inertia.selfadjointView<Eigen::Lower>();
-    return 0.5 * errors_.mass * k.rates.dot(inertia * k.rates) - given_;
+    return 0.5 * k.rates.dot(inertia * k.rates) - given_;
   }
   const GuardOptions& guard() const { return tick_->guard().options(); }
   double gap() const { return normal_.dot(device_->state().position); }
@@ -185,12 +182,11 @@ class Loop {
       return std::make_unique<Late>(std::make_unique<ClosedFormPlant>(*plant_), part_);
     }
     DeviceParameters device = s.device;
-    changeImperfections(device, [&](Imperfections& i) {
-      i.massError = 0.0;  // the errors contain it
-      i.cableStiffness *= s.errors.cable;
-      setup.jitter = i.jitter;
-      setup.lostSamples = i.lostSamples;
-    });
+    Imperfections& i = imperfectionsOf(device);
+    i.massError = 0.0;  // the errors contain it
+    i.cableStiffness *= s.errors.cable;
+    setup.jitter = i.jitter;
+    setup.lostSamples = i.lostSamples;
     ImperfectDevice built = makeImperfectDevice(device, s.seed);
     built.mechanism = std::make_shared<Heavier>(built.mechanism, errors_.mass);
     return std::make_unique<Late>(std::make_unique<ImperfectPlant>(std::move(built)), part_);
@@ -258,13 +254,11 @@ void refineEncoders(DeviceParameters& device, double factor) {
 
 // Keep only the imperfections of the linear loop.
 void keepLinear(DeviceParameters& device) {
-  changeImperfections(device, [](Imperfections& i) {
-    Imperfections linear;
-    linear.currentBandwidth = i.currentBandwidth;
-    linear.cableStiffness = i.cableStiffness;
-    linear.cableDamping = i.cableDamping;
-    i = linear;
-  });
+  Imperfections linear, &all = imperfectionsOf(device);
+  linear.currentBandwidth = all.currentBandwidth;
+  linear.cableStiffness = all.cableStiffness;
+  linear.cableDamping = all.cableDamping;
+  all = linear;
 }
 
 struct Outcome {
@@ -487,19 +481,22 @@ TEST_CASE("behind cables the guard stops what gives the tool energy, also with w
       s.errors.cable = 1.0 + error * test::Random(s.seed + count).uniform(-1.0, 1.0);
       outcomes[i] = outcomeOf(s, s.seed);
     });
-    int stopped = 0, early = 0, missed = 0;
+    int stopped = 0, early = 0, missed = 0, overpowered = 0;
     double most = 0.0;
     for (const Outcome& o : outcomes) {
       INFO("ENAMEL_SEED=" << o.setup.seed << ": " << textOf(o) << ", received " << 1e3 * o.received << " mJ");
-      if (o.isLost) CHECK(o.reason == GuardReason::energy);
-      stopped += o.isLost;
-      early += o.isLost && o.received < 0.5 * o.budget;
+      const bool isStopped = o.reason == GuardReason::energy;
+      // The other reason to be lost: the hand is stronger than the motors and pushes the tool 20 mm into the wall.
+      if (o.isLost && !isStopped) CHECK(o.deepest >= kLost);
+      overpowered += o.isLost && !isStopped;
+      stopped += isStopped;
+      early += isStopped && o.received < 0.5 * o.budget;
       missed += !o.isLost && o.received > o.budget;
       most = std::max(most, o.received);
     }
     std::cout << count << " hard pushes of the delta, cables wrong by up to " << 100.0 * error << " %: " << stopped
-              << " stopped, " << early << " of them with less than half the budget, " << missed
-              << " missed, the tool received up to " << 1e3 * most << " mJ\n";
+              << " stopped, " << early << " of them with less than half the budget, " << missed << " missed, "
+              << overpowered << " overpowered, the tool received up to " << 1e3 * most << " mJ\n";
     if (error == 0.0) CHECK(early == 0);
     if (error > 0.0) CHECK(stopped > missed);
   }

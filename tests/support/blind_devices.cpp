@@ -238,52 +238,35 @@ BlindDevice makeBlindDevice(BlindKind kind, std::uint64_t seed) {
 
 namespace {
 
-// An imperfect plant with exact amplifiers. The plant's own are wrong by h^2/(24 lag) s in steps of h, more than the
-// intervals. The first motor may give less than its commands.
-class ExactPlant final : public Plant {
+// An imperfect plant whose first motor may give less than its commands.
+class Saturating final : public Plant {
  public:
-  ExactPlant(const ImperfectDevice& device, double most)
-      : Plant(*device.mechanism), plant_(withoutAmplifiers(device), kStep), drive_(device.imperfections), most_(most) {}
+  Saturating(const ImperfectDevice& device, double most)
+      : Plant(*device.mechanism), plant_(device, kStep), most_(most) {}
 
-  std::unique_ptr<Plant> clone() const override { return std::make_unique<ExactPlant>(*this); }
+  std::unique_ptr<Plant> clone() const override { return std::make_unique<Saturating>(*this); }
   Status start(const Pose& pose) override {
     const Status status = plant_.start(pose);
     state_ = plant_.state();
-    current_ = JointVector::Zero(mechanism().joints());
     return status;
   }
   Status advance(double time, double duration, const JointVector& torque,
                  const ExternalWrench& load) noexcept override {
     JointVector command = torque;
     command[0] = std::clamp(command[0], -most_, most_);
-    if (drive_.torqueStep > 0.0)
-      for (double& c : command) c = drive_.torqueStep * std::nearbyint(c / drive_.torqueStep);
-    const double rate = 2.0 * M_PI * drive_.currentBandwidth, steps = std::ceil(duration / kStep), h = duration / steps;
-    const double share = -std::expm1(-rate * h);
-    for (int i = 0; i < steps; ++i) {
-      const JointVector mean = command + share / (rate * h) * (current_ - command);
-      current_ += share * (command - current_);
-      if (const Status status = plant_.advance(time + i * h, h, mean, load); status != Status::ok) return status;
-    }
+    const Status status = plant_.advance(time, duration, command, load);
     state_ = plant_.state();
-    return Status::ok;
+    return status;
   }
   void read(const Kinematics& truth, JointVector& q, JointVector& rates) const noexcept override {
     plant_.read(truth, q, rates);
   }
 
  private:
-  static constexpr double kStep = 1e-5;  // s
-
-  static ImperfectDevice withoutAmplifiers(ImperfectDevice device) {
-    device.imperfections.currentBandwidth = device.imperfections.torqueStep = 0.0;
-    return device;
-  }
+  static constexpr double kStep = 5e-5;  // s; its errors are far below the intervals
 
   ImperfectPlant plant_;
-  Imperfections drive_;
   double most_;
-  JointVector current_;  // N m or N
 };
 
 std::vector<RecordedTick> record(const BlindDevice& device, const Mechanism& mechanism, const Excitation& excitation,
@@ -294,7 +277,7 @@ std::vector<RecordedTick> record(const BlindDevice& device, const Mechanism& mec
   setup.jitter = device.jitter;
   setup.lostSamples = device.lost;
   setup.seed = seed;
-  VirtualDevice plant(std::make_unique<ExactPlant>(device.built, device.saturation), setup);
+  VirtualDevice plant(std::make_unique<Saturating>(device.built, device.saturation), setup);
   std::vector<RecordedTick> ticks;
   const auto each = [&](std::uint64_t number, const Measurement& measurement, const HapticTick& haptics,
                         const Command& command, Status status) {

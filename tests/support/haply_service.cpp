@@ -55,7 +55,10 @@ struct HaplyService::Server {
   tcp::acceptor acceptor{io, tcp::endpoint(net::ip::address_v4::loopback(), 0)};
   std::atomic<int> open{-1};  // the socket of the client
   std::atomic<bool> stops{false};
-  std::thread thread;
+  Measurement sample;
+  Command applied{JointVector::Zero(3)};
+  double skipped = 0.0;  // s, of the clock
+  std::thread thread;    // last: it uses all others
 
   Server(HaplyService& s, const std::string& file, double from, double to)
       : service(s),
@@ -72,7 +75,7 @@ struct HaplyService::Server {
   }
 
   void run() {
-    (void)device.measure(sample_);      // a clock that the test advances may not have moved
+    (void)device.measure(sample);       // a clock that the test advances may not have moved
     (void)system::requestRealtime(70);  // other programs on this machine are not part of the test
     while (!stops) {
       beast::error_code error;
@@ -96,7 +99,7 @@ struct HaplyService::Server {
       beast::flat_buffer buffer;
       stream.read(buffer, error);
       if (error || service.isClosing.exchange(false)) {  // the motors are off without a client
-        command_.effort.setZero();
+        applied.effort.setZero();
         service.force = 0.0;
         return;
       }
@@ -127,16 +130,16 @@ struct HaplyService::Server {
     const Vec3 f(v.at("x"), v.at("y"), v.at("z"));
     service.force = f.z();
     service.largestForce = std::max(service.largestForce.load(), f.norm());
-    command_ = {JointVector(toWorld(f))};
+    applied = {JointVector(toWorld(f))};
   }
 
   // Simulate to the present, at most 0.1 s.
   void advance() {
-    const double now = std::chrono::duration<double>(Clock::now() - begin).count() - skipped_;
-    if (now - device.time() > 0.1) skipped_ += now - device.time() - 0.1;
-    while (device.time() < std::chrono::duration<double>(Clock::now() - begin).count() - skipped_) {
-      (void)device.measure(sample_);
-      (void)device.actuate(command_);
+    const double now = std::chrono::duration<double>(Clock::now() - begin).count() - skipped;
+    if (now - device.time() > 0.1) skipped += now - device.time() - 0.1;
+    while (device.time() < std::chrono::duration<double>(Clock::now() - begin).count() - skipped) {
+      (void)device.measure(sample);
+      (void)device.actuate(applied);
       (void)device.advance([this](double time, const Pose& pose, const Vec6& twist) {
         const double z = 0.5 * (high + low) + 0.5 * (high - low) * std::cos(2.0 * M_PI * time);
         Vec6 wrench = Vec6::Zero();
@@ -148,9 +151,9 @@ struct HaplyService::Server {
 
   std::string stateText(bool isFirst) {
     advance();
-    const Json state{{"cursor_position", jsonOf(toService(Vec3(sample_.q)) + kCentre)},
-                     {"cursor_velocity", jsonOf(toService(Vec3(sample_.rates)))},
-                     {"current_cursor_force", jsonOf(toService(Vec3(command_.effort)))},
+    const Json state{{"cursor_position", jsonOf(toService(Vec3(sample.q)) + kCentre)},
+                     {"cursor_velocity", jsonOf(toService(Vec3(sample.rates)))},
+                     {"current_cursor_force", jsonOf(toService(Vec3(applied.effort)))},
                      {"control_mode", "force"}};
     Json entry{{"device_id", kId}};
     if (isFirst) {
@@ -174,10 +177,6 @@ struct HaplyService::Server {
     }
     return message.dump();
   }
-
-  Measurement sample_;
-  Command command_{JointVector::Zero(3)};
-  double skipped_ = 0.0;  // s, of the clock
 };
 
 HaplyService::HaplyService(const std::string& deviceFile, double high, double low)

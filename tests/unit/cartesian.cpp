@@ -269,6 +269,41 @@ std::string stylusFile(const std::string& more, const std::string& platform) {
 
 }  // namespace
 
+TEST_CASE("cartesian: imperfections of the drives", "[cartesian]") {
+  const auto file = [](const std::string& root, const std::string& imperfections) {
+    return "kind = \"cartesian\"\nname = \"driven\"\naxes = 3\nhalf_widths = [0.1, 0.1, 0.1]\nmax_force = 8\n"
+           "position_step = 1e-5\n" +
+           root + "\n[platform]\nmass = 0.15\n[imperfections]\n" + imperfections;
+  };
+  const CartesianParameters device =
+      parseCartesian(file("rotor_mass = 0.03",
+                          "cable_stiffness = 2e5\ncable_damping = 8\ncoulomb_friction = 0.3\n"
+                          "current_bandwidth = 1000\nbacklash = 1e-5"),
+                     "f");
+  const Drive drive = CartesianMechanism(device).limits().drive;
+  CHECK(drive.stiffness == 2e5);
+  CHECK(drive.damping == 8.0);
+  CHECK(drive.rotorInertia == 0.03);
+  CHECK(drive.bandwidth == 1000.0);
+  CHECK(drive.disturbance == Approx(0.1));
+  const auto refuse = [&](const std::string& root, const std::string& imperfections, const std::string& message) {
+    CHECK_THROWS_WITH(parseCartesian(file(root, imperfections), "f"), test::ContainsSubstring(message));
+  };
+  refuse("rotor_mass = 0.15", "", "rotor_mass: is 0.15, must be less than the apparent mass, 0.15 kg");
+  refuse("", "cable_stiffness = 2e5", "imperfections.cable_stiffness: needs a rotor_mass greater than 0");
+  refuse("", "cable_stiffness = 2e7", "imperfections.cable_stiffness: is 2e+07, must be in 0 to 1e+06 N/m");
+  refuse("", "coulomb_friction = -1", "imperfections.coulomb_friction: is -1, must be in 0 to 10 N");
+  refuse("", "length_error = 0.01", "imperfections.length_error: is not allowed: a Cartesian device has no lengths");
+  refuse("rotor_mass = 0.03\ndriven = [1, 1, 0]", "cable_stiffness = 2e5",
+         "imperfections.cable_stiffness: needs axes = 3 with a motor on each of them");
+  const auto turning = [](const std::string& keys) {
+    return parseCartesian(edited("[platform]", "[imperfections]\n" + keys + "\n[platform]"), "f");
+  };
+  CHECK(turning("current_bandwidth = 500\njitter = 0.1").imperfections.jitter == 0.1);
+  CHECK_THROWS_WITH(turning("cogging = 0.1"), test::ContainsSubstring("not allowed if a rotation has a motor"));
+  CHECK_THROWS_WITH(turning("encoder_offset = 1e-3"), test::ContainsSubstring("needs axes = 3: it is in m"));
+}
+
 TEST_CASE("axes without a motor are sensed and not driven", "[cartesian]") {
   const std::string driven = "driven = [1, 1, 1, 0, 0, 0]";
   const CartesianMechanism stylus(parseCartesian(stylusFile(driven, "mass = 0.1"), "stylus.toml"));

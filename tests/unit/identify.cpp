@@ -169,7 +169,7 @@ TEST_CASE("a value of a device file is replaced, and its comment stays", "[ident
 }
 
 TEST_CASE("a blind Cartesian device: delay, mass and friction", "[identify]") {
-  const int devices = test::count(1, 100);
+  const int devices = test::count(3, 100);
   const double duration = test::longRun() ? 30.0 : 8.0;
   int intervals = 0, covered = 0;
   for (int i = 0; i < devices; ++i) {
@@ -198,8 +198,8 @@ TEST_CASE("a blind Cartesian device: delay, mass and friction", "[identify]") {
       if (truth->second >= e.low && truth->second <= e.high) ++covered;
     }
   }
-  // 95 % are expected. One device has few independent intervals.
-  CHECK(covered >= (devices > 1 ? 0.9 : 0.75) * intervals);
+  // 95 % are expected. A short recording shows too little of the friction's slow errors, above all in gravity.
+  CHECK(covered >= (test::longRun() ? 0.9 : 0.8) * intervals);
 }
 
 TEST_CASE("wrong wiring and wrong units get a diagnosis in words", "[identify]") {

@@ -246,8 +246,46 @@ TEST_CASE("imperfect plant: devices differ by their seed within the tolerances",
     CHECK((readOf(plant).q - nominal->home().q).cwiseAbs().maxCoeff() <= 0.001 + 1e-12);
     CHECK((readOf(plant).q - nominal->home().q).cwiseAbs().maxCoeff() > 1e-5);
   }
-  CHECK_THROWS_WITH(makeImperfectDevice(loadDevice(test::deviceFile("cartesian-6.toml")), 1),
-                    test::ContainsSubstring("a Cartesian device has no drive parameters"));
+}
+
+TEST_CASE("imperfect plant: a Cartesian device with cables and friction", "[imperfect_plant]") {
+  CartesianParameters device;
+  device.name = "cables";
+  device.mass = 0.15;
+  device.rotorMass = 0.03;
+  device.halfWidths = Vec3::Constant(0.1);
+  device.maxForce = 20.0;
+  device.positionStep = 1e-5;
+  device.imperfections.cableStiffness = 2e5;
+  ImperfectPlant plant(makeImperfectDevice(device, 1));
+  REQUIRE(plant.start(Pose()) == Status::ok);
+  // Rotor and link swing against each other about a common motion, which the whole mass has.
+  const double resonance = std::sqrt(2e5 * (1.0 / 0.03 + 1.0 / 0.12)), step = 1e-5;
+  JointVector force = JointVector::Zero(3);
+  force[1] = 3.0;
+  const auto swing = [](double w, double t) { return (1.0 - std::cos(w * t)) / (w * w); };
+  for (int i = 0; i < 1000; ++i) {
+    REQUIRE(plant.advance(i * step, step, force, nothing) == Status::ok);
+    const double t = (i + 1) * step, common = 0.5 * 3.0 / 0.15 * t * t;
+    const double rotor = common + 3.0 / 0.03 * 0.12 / 0.15 * swing(resonance, t);
+    REQUIRE(readOf(plant).q[1] == Approx(rotor).margin(1e-10));
+    REQUIRE(plant.state().position.y() == Approx(common - 3.0 / 0.15 * swing(resonance, t)).margin(1e-10));
+  }
+
+  // Friction below its limit holds every axis that has a motor.
+  device.imperfections = {};
+  device.imperfections.coulombFriction = 0.5;
+  device.driven[2] = false;
+  ImperfectPlant rubbing(makeImperfectDevice(device, 1));
+  REQUIRE(rubbing.start(Pose()) == Status::ok);
+  const auto push = [](double, const Pose&, const Vec6&) {
+    Vec6 wrench = Vec6::Zero();
+    wrench.head<3>().setConstant(0.2);
+    return wrench;
+  };
+  for (int i = 0; i < 200; ++i) REQUIRE(rubbing.advance(i * kTick, kTick, JointVector::Zero(3), push) == Status::ok);
+  CHECK(rubbing.state().position.head<2>().cwiseAbs().maxCoeff() < 1e-3);
+  CHECK(rubbing.state().position.z() == Approx(0.5 * 0.2 / 0.15 * 0.04));
 }
 
 TEST_CASE("imperfect plant: stiffened cables leave every other imperfection") {
@@ -281,6 +319,8 @@ TEST_CASE("imperfect plant: steps converge, and what fails changes nothing", "[i
   const DeviceState before = plant.state();
   const Measurement read = readOf(plant);
   CHECK(plant.advance(0.0, kTick, device.mechanism->home().gravity, blow) != Status::ok);
+  CHECK(plant.advance(0.0, kTick, JointVector::Zero(5), nothing) == Status::outOfRange);
+  CHECK(plant.advance(0.0, kTick, JointVector::Constant(6, std::nan("")), nothing) == Status::notFinite);
   CHECK(plant.state().position == before.position);
   CHECK(plant.state().twist == before.twist);
   CHECK(readOf(plant).q == read.q);

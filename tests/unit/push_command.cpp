@@ -95,11 +95,10 @@ TEST_CASE("push: plants by name", "[push_command]") {
   const test::TemporaryFolder folder;
   REQUIRE(run(device + "imperfect --record '" + (folder / "imperfect.rec") + "'").status == 0);
   CHECK_THAT(run("replay '" + (folder / "imperfect.rec") + "'").output, ContainsSubstring("equal, bit for bit"));
-  const auto cartesian =
+  const auto ideal =
       run("push --device '" + test::deviceFile("cartesian-6.toml") + "' --renderer impedance --plant imperfect");
-  CHECK(cartesian.status == 1);
-  CHECK_THAT(cartesian.output,
-             ContainsSubstring("a Cartesian device has no drive parameters; use the plant closed-form"));
+  CHECK(ideal.status == 1);
+  CHECK_THAT(ideal.output, ContainsSubstring("has no [imperfections], which the plant imperfect requires"));
 }
 
 TEST_CASE("push: metrics under one name each as a table and as JSON, all renderers beside each other",

@@ -29,30 +29,44 @@ DeviceState secondOf(Plant& plant) {
   return plant.state();
 }
 
+// The nominal TAU with cables and the friction of data/devices/tau-detailed.toml.
+ImperfectDevice withCables(const DeviceParameters& nominal) {
+  DeviceParameters device = nominal;
+  Imperfections& e = imperfectionsOf(device);
+  e.currentBandwidth = 1000.0;
+  e.torqueStep = 0.001;
+  e.coulombFriction = 0.006;
+  e.cableStiffness = 1000.0;
+  e.cableDamping = 0.037;
+  return makeImperfectDevice(device, 1);
+}
+
 }  // namespace
 
 std::vector<Measurement> measurePlant(double scale) {
   const DeviceParameters device = nominalDevice();
   const std::shared_ptr<const Mechanism> mechanism = makeMechanism(device);
   ClosedFormPlant closed(*mechanism), fine(*mechanism, Integrator::rungeKutta4, 16);
-  const Vec3 end = secondOf(fine).position;
+  ImperfectPlant fineCables(withCables(device), 1e-5);
+  const Vec3 ideal = secondOf(fine).position, imperfect = secondOf(fineCables).position;
   std::vector<Measurement> rows;
-  const auto add = [&](const std::string& name, Plant& plant, int calls) {
+  const auto add = [&](const std::string& name, Plant& plant, int calls, const Vec3& end) {
     Measurement row;
     row.name = name;
     row.error = (secondOf(plant).position - end).norm();
-    row.errorOf = "last position, m, against 16 substeps";
+    row.errorOf = "last position, m, against fine steps";
     const Timing timing = timeEachCall(std::max(3, static_cast<int>(calls * scale)), 1, [&](int) { secondOf(plant); });
     row.median_us = timing.median_us;
     row.p99_us = timing.p99_us;
     rows.push_back(row);
   };
-  add("a second, closed form", closed, 100);
-  ImperfectPlant imperfect(makeImperfectDevice(device, 1));
-  add("a second, imperfect plant without imperfections", imperfect, 20);
+  add("a second, closed form", closed, 100, ideal);
+  ImperfectPlant rigid(makeImperfectDevice(device, 1)), cables(withCables(device));
+  add("a second, imperfect plant without imperfections", rigid, 50, ideal);
+  add("a second, imperfect plant with cables and friction", cables, 20, imperfect);
 #ifdef ENAMEL_SIMBODY
   MultibodyPlant multibody(device);
-  add("a second, multibody", multibody, 3);
+  add("a second, multibody", multibody, 3, ideal);
 #endif
   return rows;
 }

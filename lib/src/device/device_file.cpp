@@ -39,6 +39,26 @@ struct AddMass {
   void operator()(CartesianParameters& p) const { p.mass += mass; }
 };
 
+struct Rotor {
+  template <typename Device>
+  double& operator()(Device& p) const {
+    return p.motor.rotorInertia;
+  }
+  double& operator()(CartesianParameters& p) const { return p.rotorMass; }
+};
+
+struct RemoveRotors {
+  template <typename Device>
+  void operator()(Device& p) const {
+    p.motor.rotorInertia = 0.0;
+  }
+  void operator()(CartesianParameters& p) const {
+    p.mass -= p.rotorMass;
+    for (double& mass : p.massTable.mass) mass -= p.rotorMass;
+    p.rotorMass = 0.0;
+  }
+};
+
 }  // namespace
 
 DeviceParameters parseDevice(std::string_view text, const std::string& file) {
@@ -62,22 +82,25 @@ const std::string& nameOf(const DeviceParameters& parameters) {
 }
 
 const Imperfections& imperfectionsOf(const DeviceParameters& parameters) noexcept {
-  static const Imperfections none;
-  if (const auto* tau = std::get_if<TauParameters>(&parameters)) return tau->imperfections;
-  if (const auto* delta = std::get_if<DeltaParameters>(&parameters)) return delta->imperfections;
-  return none;
+  return std::visit([](const auto& p) -> const Imperfections& { return p.imperfections; }, parameters);
 }
 
+Imperfections& imperfectionsOf(DeviceParameters& parameters) noexcept {
+  return std::visit([](auto& p) -> Imperfections& { return p.imperfections; }, parameters);
+}
+
+double& rotorInertiaOf(DeviceParameters& parameters) noexcept { return std::visit(Rotor{}, parameters); }
+
+void removeRotors(DeviceParameters& parameters) noexcept { std::visit(RemoveRotors{}, parameters); }
+
 DeviceParameters idealOf(DeviceParameters parameters) {
-  if (auto* tau = std::get_if<TauParameters>(&parameters)) tau->imperfections = {};
-  if (auto* delta = std::get_if<DeltaParameters>(&parameters)) delta->imperfections = {};
+  imperfectionsOf(parameters) = {};
   return parameters;
 }
 
 void stiffenCables(DeviceParameters& parameters) noexcept {
-  const auto stiffen = [](Imperfections& i) { i.cableStiffness = i.cableDamping = i.backlash = 0.0; };
-  if (auto* tau = std::get_if<TauParameters>(&parameters)) stiffen(tau->imperfections);
-  if (auto* delta = std::get_if<DeltaParameters>(&parameters)) stiffen(delta->imperfections);
+  Imperfections& e = imperfectionsOf(parameters);
+  e.cableStiffness = e.cableDamping = e.backlash = 0.0;
 }
 
 void addDamping(DeviceParameters& parameters, const Vec6& damping) { std::visit(AddDamping{damping}, parameters); }

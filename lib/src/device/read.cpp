@@ -60,7 +60,8 @@ namespace {
 
 constexpr double kMostError = 0.2;  // relative
 
-// Keys of the table, with their largest meaningful value.
+// Keys of the table, with their largest meaningful value. In a unit, "E" is that of efforts and "Q" that of
+// coordinates.
 struct Imperfection {
   const char* key;
   const char* unit;
@@ -69,35 +70,43 @@ struct Imperfection {
 };
 constexpr Imperfection kImperfections[] = {
     {"current_bandwidth", "Hz", &Imperfections::currentBandwidth, 1e6},
-    {"torque_step", "N m", &Imperfections::torqueStep, 1.0},
+    {"torque_step", "E", &Imperfections::torqueStep, 1.0},
     {"torque_ripple", "of the torque", &Imperfections::torqueRipple, 1.0},
-    {"cogging", "N m", &Imperfections::cogging, 10.0},
-    {"periods", "a turn", &Imperfections::periods, 1e5},
-    {"coulomb_friction", "N m", &Imperfections::coulombFriction, 10.0},
-    {"cable_stiffness", "N m/rad", &Imperfections::cableStiffness, 1e6},
-    {"cable_damping", "N m s/rad", &Imperfections::cableDamping, 1e3},
-    {"backlash", "rad", &Imperfections::backlash, 0.1},
-    {"encoder_offset", "rad", &Imperfections::encoderOffset, 0.1},
+    {"cogging", "E", &Imperfections::cogging, 10.0},
+    {"periods", "a turn or metre", &Imperfections::periods, 1e5},
+    {"coulomb_friction", "E", &Imperfections::coulombFriction, 10.0},
+    {"cable_stiffness", "E/Q", &Imperfections::cableStiffness, 1e6},
+    {"cable_damping", "E s/Q", &Imperfections::cableDamping, 1e3},
+    {"backlash", "Q", &Imperfections::backlash, 0.1},
+    {"encoder_offset", "Q", &Imperfections::encoderOffset, 0.1},
     {"length_error", "of the length", &Imperfections::lengthError, kMostError},
     {"mass_error", "of the mass", &Imperfections::massError, kMostError},
     {"jitter", "of the period", &Imperfections::jitter, 1.0},
     {"lost_samples", "of the ticks", &Imperfections::lostSamples, 0.5},
 };
 
+std::string unitOf(const Imperfection& i, const DriveWords& words) {
+  std::string unit;
+  for (const char* c = i.unit; *c != 0; ++c)
+    *c == 'E' ? unit += words.effort : *c == 'Q' ? unit += words.coordinate : unit += *c;
+  return unit;
+}
+
 }  // namespace
 
-void checkImperfections(const Imperfections& imperfections, const MotorParameters& motor, const Fail& fail) {
+void checkImperfections(const Imperfections& imperfections, const DriveWords& words, const Fail& fail) {
   const auto refuse = [&fail](const std::string& key, const std::string& problem) {
     fail("imperfections." + key, problem);
   };
   for (const Imperfection& i : kImperfections)
     if (const double value = imperfections.*i.value; !(value >= 0.0 && value <= i.most))
-      refuse(i.key, "is " + formatNumber(value) + ", must be in 0 to " + formatNumber(i.most) + " " + i.unit);
+      refuse(i.key, "is " + formatNumber(value) + ", must be in 0 to " + formatNumber(i.most) + " " + unitOf(i, words));
   const bool isRigid = imperfections.cableStiffness == 0.0;
   if (isRigid && imperfections.backlash > 0.0) refuse("backlash", "needs a cable_stiffness greater than 0");
   if (isRigid && imperfections.cableDamping > 0.0) refuse("cable_damping", "needs a cable_stiffness greater than 0");
-  if (!isRigid && !(motor.rotorInertia > 0.0))
-    refuse("cable_stiffness", "needs a motor.rotor_inertia greater than 0: the cable is between rotor and link");
+  if (!isRigid && !(words.rotorInertia > 0.0))
+    refuse("cable_stiffness",
+           std::string("needs a ") + words.rotorKey + " greater than 0: the cable is between rotor and link");
 }
 
 std::string kindOf(TomlTable& root) { return root.has("kind") ? root.text("kind") : "tau"; }

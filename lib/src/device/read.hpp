@@ -21,7 +21,15 @@ void requireNotNegative(double value, const std::string& key, const std::string&
 void checkInertia(const Mat3& inertia, const std::string& key, const Fail& fail);
 void checkPlatform(const PlatformParameters& platform, const Fail& fail);
 void checkMotor(const MotorParameters& motor, const Fail& fail);
-void checkImperfections(const Imperfections& imperfections, const MotorParameters& motor, const Fail& fail);
+
+/// Words of the messages about imperfections: the units of efforts and coordinates, and the key of the rotor.
+struct DriveWords {
+  const char* effort;
+  const char* coordinate;
+  const char* rotorKey;
+  double rotorInertia;
+};
+void checkImperfections(const Imperfections& imperfections, const DriveWords& words, const Fail& fail);
 
 /// Return the `kind` of a device file, "tau" if it has none.
 std::string kindOf(TomlTable& root);

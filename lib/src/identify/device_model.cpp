@@ -111,10 +111,6 @@ double& viscousOf(DeviceModel& m, int i) {
                                                          : delta(m).motor.viscousFriction;
 }
 
-double& rotorOf(DeviceModel& m) {
-  return std::holds_alternative<TauParameters>(m.device) ? tau(m).motor.rotorInertia : delta(m).motor.rotorInertia;
-}
-
 bool isCartesian(const DeviceParameters& device) { return std::holds_alternative<CartesianParameters>(device); }
 
 void addViscous(List& list, const DeviceModel& model, const JointVector& effort, const std::string& unit) {
@@ -145,7 +141,8 @@ void addJoint(List& list, const DeviceModel& model, int i, double effort) {
   const double offset = imperfectionsOf(model.device).encoderOffset / std::sqrt(3.0);
   if (offset > 0.0)
     inWords(list.term(
-        "encoder offset of " + name, "rad", [i](DeviceModel& m) -> double& { return m.offset[i]; }, offset));
+        "encoder offset of " + name, turns ? "rad" : "m", [i](DeviceModel& m) -> double& { return m.offset[i]; },
+        offset));
 }
 
 void addDrive(List& list, const DeviceModel& model) {
@@ -157,23 +154,17 @@ void addDrive(List& list, const DeviceModel& model) {
       "loop delay", "ticks", [](DeviceModel& m) -> double& { return m.delay; }, kDelaySpread);
   delay.isNonNegative = true;
   delay.isInFile = false;
-  if (!isCartesian(model.device)) list.factor("motor.rotor_inertia", "kg m^2", rotorOf);
+  const bool turns = !isCartesian(model.device);
+  list.factor(turns ? "motor.rotor_inertia" : "rotor_mass", turns ? "kg m^2" : "kg",
+              [](DeviceModel& m) -> double& { return rotorInertiaOf(m.device); });
   if (!model.hasCables()) return;
   list.factor(
-      "imperfections.cable_stiffness", "N m/rad", [](DeviceModel& m) -> double& { return m.drive.cableStiffness; },
-      kCableSpread);
+      "imperfections.cable_stiffness", turns ? "N m/rad" : "N/m",
+      [](DeviceModel& m) -> double& { return m.drive.cableStiffness; }, kCableSpread);
   list.factor(
-      "imperfections.cable_damping", "N m s/rad", [](DeviceModel& m) -> double& { return m.drive.cableDamping; },
-      kCableSpread);
+      "imperfections.cable_damping", turns ? "N m s/rad" : "N s/m",
+      [](DeviceModel& m) -> double& { return m.drive.cableDamping; }, kCableSpread);
 }
-
-struct TakeRotors {
-  template <typename Device>
-  void operator()(Device& p) const {
-    p.motor.rotorInertia = 0.0;
-  }
-  void operator()(CartesianParameters&) const {}
-};
 
 struct TakeImperfections {
   template <typename Device>
@@ -181,7 +172,10 @@ struct TakeImperfections {
     p.imperfections = {};
     p.motor.viscousFriction = 0.0;
   }
-  void operator()(CartesianParameters& p) const { p.damping.setZero(); }
+  void operator()(CartesianParameters& p) const {
+    p.imperfections = {};
+    p.damping.setZero();
+  }
 };
 
 }  // namespace
@@ -241,10 +235,10 @@ ImperfectDevice deviceOf(const DeviceModel& model) {
   DeviceParameters built = model.device;
   DeviceModel copy = model;
   ImperfectDevice device;
-  device.rotorInertia = isCartesian(built) ? 0.0 : rotorOf(copy);
+  device.rotorInertia = rotorInertiaOf(copy.device);
   std::visit(TakeImperfections{}, built);
   if (auto* device6 = std::get_if<TauParameters>(&built)) scaleLinks(model.links, *device6);
-  if (model.hasCables()) std::visit(TakeRotors{}, built);
+  if (model.hasCables()) removeRotors(built);
   device.mechanism = makeMechanism(built);
   device.imperfections = model.drive;
   device.imperfections.currentBandwidth = device.imperfections.torqueStep = 0.0;

@@ -64,24 +64,15 @@ struct Build {
     for (double* mass : {&p.upperLink.mass, &p.upperLink.inertia, &p.bar.mass, &p.platform.mass, &p.motor.rotorInertia})
       draw.scale(*mass, e.massError);
   }
-  void operator()(CartesianParameters&) {}
-};
-
-// Removes the rotors from the mechanism: they are behind cables.
-struct TakeRotors {
-  template <typename Device>
-  void operator()(Device& p) const {
-    p.motor.rotorInertia = 0.0;
-    p.imperfections = {};
+  void operator()(CartesianParameters& p) {
+    double mass = 1.0;
+    draw.scale(mass, e.massError);
+    p.mass *= mass;
+    for (double& m : p.massTable.mass) m *= mass;
+    p.inertia *= mass;
+    p.rotorMass *= mass;
   }
-  void operator()(CartesianParameters&) const {}
 };
-
-MotorParameters* motorOf(DeviceParameters& parameters) {
-  if (auto* tau = std::get_if<TauParameters>(&parameters)) return &tau->motor;
-  if (auto* delta = std::get_if<DeltaParameters>(&parameters)) return &delta->motor;
-  return nullptr;
-}
 
 // Rotor angles that hold `torque` through cables, relative to the joints.
 JointVector windUp(const Imperfections& e, const JointVector& torque) {
@@ -136,16 +127,15 @@ DeviceState shifted(const DeviceState& from, const Vec6& way) noexcept {
 
 ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uint64_t seed, std::uint32_t number) {
   DeviceParameters built = parameters;
-  MotorParameters* const motor = motorOf(built);
-  if (motor == nullptr)
-    throw Error("device \"" + nameOf(parameters) +
-                "\": a Cartesian device has no drive parameters; use the plant closed-form");
   ImperfectDevice device;
   device.imperfections = imperfectionsOf(parameters);
   Draw draw(seed, number);
   std::visit(Build{draw, device.imperfections}, built);
-  device.rotorInertia = motor->rotorInertia;
-  if (device.imperfections.cableStiffness > 0.0) std::visit(TakeRotors{}, built);
+  device.rotorInertia = rotorInertiaOf(built);
+  if (device.imperfections.cableStiffness > 0.0) {
+    imperfectionsOf(built) = {};
+    removeRotors(built);
+  }
   device.mechanism = makeMechanism(built);
   const Kinematics& home = device.mechanism->home();
   device.offset = makeMechanism(parameters)->home().q - home.q - windUp(device.imperfections, home.gravity);
@@ -155,8 +145,12 @@ ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uin
 
 ImperfectPlant::ImperfectPlant(ImperfectDevice device, double step) noexcept
     : Plant(*device.mechanism), device_(std::move(device)), step_(step) {
-  const auto complete = [n = mechanism().joints()](JointVector& values, double common) {
-    if (values.size() != n) values = JointVector::Constant(n, common);
+  const JointVector& effort = mechanism().limits().effort;
+  const auto complete = [&effort](JointVector& values, double common) {
+    if (values.size() == effort.size()) return;
+    values = JointVector::Constant(effort.size(), common);
+    for (Eigen::Index i = 0; i < values.size(); ++i)
+      if (effort[i] == 0.0) values[i] = 0.0;  // no motor
   };
   complete(device_.torqueConstant, 1.0);
   complete(device_.coulombFriction, device_.imperfections.coulombFriction);
@@ -196,6 +190,8 @@ void ImperfectPlant::read(const Kinematics& truth, JointVector& q, JointVector& 
 Status ImperfectPlant::advance(double time, double duration, const JointVector& torque,
                                const ExternalWrench& load) noexcept {
   if (!(duration > 0.0)) return Status::ok;
+  if (torque.size() != mechanism().joints()) return Status::outOfRange;
+  if (!torque.allFinite()) return Status::notFinite;
   const double parts = std::ceil(duration / step_ - 1e-9), part = duration / parts;
   JointVector asked = torque;
   if (const double step = device_.imperfections.torqueStep; step > 0.0)

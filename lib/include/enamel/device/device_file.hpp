@@ -43,8 +43,15 @@ void addDamping(DeviceParameters& parameters, const Vec6& damping);
 void addFriction(DeviceParameters& parameters, double friction);
 void addMass(DeviceParameters& parameters, double mass);
 
-/// Return the imperfections of the device file. They are zero for a Cartesian device: the vendor controls its drives.
+/// Return the imperfections of the device file.
 const Imperfections& imperfectionsOf(const DeviceParameters& parameters) noexcept;
+Imperfections& imperfectionsOf(DeviceParameters& parameters) noexcept;
+
+/// Return the inertia of each rotor, kg m^2, or its part of the apparent mass of a Cartesian device, kg.
+double& rotorInertiaOf(DeviceParameters& parameters) noexcept;
+
+/// Take the rotors out of the moving mass: they are behind cables. Realtime: no.
+void removeRotors(DeviceParameters& parameters) noexcept;
 
 /// Return the device with ideal motors, transmissions, encoders and tolerances. Realtime: no.
 DeviceParameters idealOf(DeviceParameters parameters);

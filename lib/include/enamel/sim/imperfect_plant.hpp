@@ -24,8 +24,7 @@ struct ImperfectDevice {
 
 /// Draw one device from a seed and a number: lengths, masses, and the offset of each encoder. The encoders are set at
 /// home: there they report the coordinates that `parameters` expect, plus their offset. Throws ConfigurationError as
-/// makeMechanism() of the drawn device. Throws Error for a Cartesian device, because nothing is known about its drives.
-/// Realtime: no.
+/// makeMechanism() of the drawn device. Realtime: no.
 ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uint64_t seed, std::uint32_t number = 0);
 
 /// A plant with a rotor behind each joint. c is the command and m the motor's torque. The rotor has the angle th, the

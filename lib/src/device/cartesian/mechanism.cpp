@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "device/limits.hpp"
 #include "device/translation.hpp"
 
 namespace enamel {
@@ -58,7 +59,8 @@ Vec3 turnOf(const Mat3& rotation) noexcept {
 }
 
 JointLimits cartesianLimits(const CartesianParameters& p) {
-  JointLimits limits{JointVector::Constant(p.axes, p.maxForce), JointVector::Constant(p.axes, p.positionStep)};
+  JointLimits limits{JointVector::Constant(p.axes, p.maxForce), JointVector::Constant(p.axes, p.positionStep),
+                     driveOf(p.rotorMass, p.imperfections)};
   for (int i = 3; i < p.axes; ++i) {
     limits.effort[i] = p.maxMoment;
     limits.encoderStep[i] = p.angleStep;

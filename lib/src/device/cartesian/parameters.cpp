@@ -35,6 +35,25 @@ void checkMass(const CartesianParameters& device, const Fail& fail) {
   for (const double mass : table.mass) requirePositive(mass, "platform.mass_table", "kg", fail);
 }
 
+void checkDrives(const CartesianParameters& device, const Fail& fail) {
+  const Imperfections& e = device.imperfections;
+  requireNotNegative(device.rotorMass, "rotor_mass", "kg", fail);
+  double least = device.mass;
+  if (!device.massTable.isEmpty())
+    least = *std::min_element(device.massTable.mass.begin(), device.massTable.mass.end());
+  if (!(device.rotorMass < least))
+    fail("rotor_mass", "is " + formatNumber(device.rotorMass) + ", must be less than the apparent mass, " +
+                           formatNumber(least) + " kg");
+  checkImperfections(e, {"N", "m", "rotor_mass", device.rotorMass}, fail);
+  if (e.lengthError > 0.0) fail("imperfections.length_error", "is not allowed: a Cartesian device has no lengths");
+  if (e.cableStiffness > 0.0 && !(device.axes == 3 && device.driven[0] && device.driven[1] && device.driven[2]))
+    fail("imperfections.cable_stiffness", "needs axes = 3 with a motor on each of them");
+  if (e.encoderOffset > 0.0 && device.axes != 3) fail("imperfections.encoder_offset", "needs axes = 3: it is in m");
+  if (turns(device) && e.torqueStep + e.cogging + e.coulombFriction > 0.0)
+    fail("imperfections",
+         "has a torque_step, cogging or coulomb_friction in N, which is not allowed if a rotation has a motor");
+}
+
 void check(const CartesianParameters& device, const Fail& fail) {
   const auto indexed = [](const std::string& key, int i) { return key + "[" + std::to_string(i) + "]"; };
   if (device.axes != 3 && device.axes != 6) fail("axes", "is " + std::to_string(device.axes) + ", must be 3 or 6");
@@ -45,6 +64,7 @@ void check(const CartesianParameters& device, const Fail& fail) {
   if (std::none_of(device.driven.begin(), device.driven.begin() + device.axes, [](bool driven) { return driven; }))
     fail("driven", "is 0 for every axis, at least one must be 1 (with a motor)");
   checkMass(device, fail);
+  checkDrives(device, fail);
   for (int i = 0; i < device.axes; ++i)
     requireNotNegative(device.damping[i], indexed("platform.damping", i), i < 3 ? "N s/m" : "N m s/rad", fail);
   if (device.axes == 3) return;
@@ -137,6 +157,7 @@ CartesianParameters readCartesian(TomlTable& root) {
   if (root.has("driven")) readDriven(root, device);
   device.maxForce = root.number("max_force");
   device.positionStep = root.number("position_step");
+  if (root.has("rotor_mass")) device.rotorMass = root.number("rotor_mass");
   TomlTable platform = root.table("platform");
   readMass(platform, device);
   if (axes == 6) {
@@ -151,6 +172,7 @@ CartesianParameters readCartesian(TomlTable& root) {
     if (platform.has("damping")) device.damping.head<3>() = platform.vector3("damping");
   }
   platform.finish();
+  device.imperfections = readImperfections(root);
   root.finish();
 
   check(device, [&root](const std::string& key, const std::string& problem) { root.fail(key, problem); });

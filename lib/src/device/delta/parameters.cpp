@@ -53,7 +53,7 @@ void check(const DeltaParameters& device, const Fail& fail) {
   for (int i = 0; i < 3; ++i)
     requireNotNegative(device.platform.damping[i], "platform.damping[" + std::to_string(i) + "]", "N s/m", fail);
   checkMotor(device.motor, fail);
-  checkImperfections(device.imperfections, device.motor, fail);
+  checkImperfections(device.imperfections, {"N m", "rad", "motor.rotor_inertia", device.motor.rotorInertia}, fail);
   checkLegs(device, fail);
 }
 

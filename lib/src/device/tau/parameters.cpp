@@ -63,7 +63,7 @@ void check(const TauParameters& device, const Fail& fail) {
 
   checkPlatform(device.platform, fail);
   checkMotor(device.motor, fail);
-  checkImperfections(device.imperfections, device.motor, fail);
+  checkImperfections(device.imperfections, {"N m", "rad", "motor.rotor_inertia", device.motor.rotorInertia}, fail);
 }
 
 LinkParameters readLink(TomlTable& chain, const char* key) {

@@ -33,9 +33,11 @@ struct CartesianParameters {
   Vec3 halfWidths = Vec3::Zero();  ///< half widths of the workspace, a cuboid about home, m
   std::array<bool, 6> driven = {true, true, true, true, true, true};  ///< axes with a motor; all axes have an encoder
   double maxForce = 0.0;                                              ///< largest force of each axis, N
-  double maxMoment = 0.0;     ///< largest moment of each axis, N m; only if a rotation axis has a motor
-  double positionStep = 0.0;  ///< resolution of the measured position, m
-  double angleStep = 0.0;     ///< resolution of the measured rotation, rad; only with 6 axes
+  double maxMoment = 0.0;       ///< largest moment of each axis, N m; only if a rotation axis has a motor
+  double positionStep = 0.0;    ///< resolution of the measured position, m
+  double angleStep = 0.0;       ///< resolution of the measured rotation, rad; only with 6 axes
+  double rotorMass = 0.0;       ///< kg, the part of the apparent mass that is on the motors' side of the cables
+  Imperfections imperfections;  ///< of the axes with motors: N and m in the place of N m and rad
 };
 
 /// Read a device file with `kind = "cartesian"`. Realtime: no.
@@ -43,6 +45,8 @@ struct CartesianParameters {
 /// - a file that cannot be read, or malformed TOML;
 /// - unknown or missing keys, wrong types, values outside their range;
 /// - keys of rotations in a file with 3 axes;
+/// - forces in [imperfections] if a rotation has a motor, or cables without a motor on every axis;
+/// - a rotor mass that is not below the apparent mass;
 /// - a device of another kind.
 CartesianParameters loadCartesian(const std::string& path);
 
