@@ -491,7 +491,7 @@ TEST_CASE("behind cables the guard stops what gives the tool energy, also with w
       overpowered += o.isLost && !isStopped;
       stopped += isStopped;
       early += isStopped && o.received < 0.5 * o.budget;
-      missed += !o.isLost && o.received > o.budget;
+      missed += !isStopped && o.received > o.budget;
       most = std::max(most, o.received);
     }
     std::cout << count << " hard pushes of the delta, cables wrong by up to " << 100.0 * error << " %: " << stopped
