@@ -79,14 +79,14 @@ TEST_CASE("positions, turns, forces and buttons of a Touch are those of W, from 
   StandIn standIn;
   Bench bench;
   for (int axis = 0; axis < 3; ++axis)
-    for (const double force : {0.5, -0.5}) {
+    for (const double force : {1.5, -1.5}) {
       bench.command.effort.setZero();
       bench.command.effort[axis] = force;
       INFO(axis << " " << force);
-      // The hand has 100 N/m: 5 mm in the direction of the force, and nothing across.
+      // The hand has 100 N/m: 15 mm in the direction of the force, and nothing across. The friction keeps up to 2.6 mm.
       REQUIRE(bench.soon([&] {
-        return std::abs(bench.sample.q[axis] - 0.01 * force) < 2e-4 &&
-               std::abs(bench.sample.q[(axis + 1) % 3]) < 2e-4 && std::abs(bench.sample.q[(axis + 2) % 3]) < 2e-4;
+        return std::abs(bench.sample.q[axis] - 0.01 * force) < 2.8e-3 &&
+               std::abs(bench.sample.q[(axis + 1) % 3]) < 2.8e-3 && std::abs(bench.sample.q[(axis + 2) % 3]) < 2.8e-3;
       }));
     }
   CHECK(bench.sample.enabled);

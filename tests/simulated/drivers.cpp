@@ -1,11 +1,13 @@
-// Every driver with the faults of its stand-in in simulated time: 30 minutes with ENAMEL_LONG=1, otherwise 20 s. This
-// program replaces the clock of C++: driver, stand-in and loop see the time that the test advances.
+// Every driver in simulated time: with the faults of its stand-in (30 minutes with ENAMEL_LONG=1, otherwise 20 s), and
+// pushes of position control and of the best spring. This program replaces the clock of C++: driver, stand-in and loop
+// see the time that the test advances.
 #include <atomic>
 #include <chrono>
 #include <iostream>
 #include <random>
 #include <thread>
 
+#include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/session/open_device.hpp"
@@ -48,6 +50,9 @@ struct Rig {
     bool isDeaf = false;  // commands do not arrive, and the vendor keeps the last force
   };
   std::vector<Fault> faults = {};
+  std::function<void(double)> push = {};  // of the hand against W's z, N
+  std::function<double(bool)> path = {};  // lowest or mean z since restart, m
+  std::function<void()> restart = {};     // of the path
 };
 
 // The device of a driver: each measure() is a step of the simulated time.
@@ -185,6 +190,60 @@ void check(const std::string& name, const Rig& rig) {
   CHECK(result.unexpected == "");
 }
 
+// The task push of `enamel compare` through a driver: rest under a preload, then a step of force.
+struct Pushes {
+  double preload, force, noise;  // N
+  double stiffness, damping;     // of the best spring (lib/docs/devices.md), N/m, N s/m
+};
+
+// Mean depth stiffness of pushes, N/m. Each begins at another moment of a tick.
+double depthStiffness(const Rig& rig, const Pushes& pushes, bool isSpring) {
+  OpenDeviceOptions how;
+  how.pluginFolder = ENAMEL_PLUGINS;
+  OpenedDevice opened = openDevice(rig.url, how);
+  const double step = opened.poll > 0.0 ? opened.poll : kPeriod;
+  Stepped device(*opened.device, rig, step);
+  PositionControlRenderer control(positionControlFor(*opened.mechanism, kPeriod, opened.delay.low, opened.delay.high));
+  ImpedanceRenderer spring(ImpedanceOptions{pushes.stiffness, pushes.damping});
+  const Scene scene = flatWall();
+  const Tool tool;
+  HapticTick haptics(*opened.mechanism, scene, tool, isSpring ? static_cast<Renderer&>(spring) : control, kPeriod);
+  HapticLoopOptions options;
+  options.period = opened.poll;
+  LoopBody body(device, haptics, options);
+  std::mt19937_64 random(test::seed());
+  std::normal_distribution<double> noise(0.0, pushes.noise);
+  const auto hold = [&](double force, double duration) {
+    for (const double end = device.time() + duration; device.time() < end;) {
+      rig.push(force + noise(random));
+      (void)body.step();
+    }
+  };
+  hold(pushes.preload, 0.5);
+  double sum = 0.0;
+  const int count = test::count(4, 20);
+  for (int i = 0; i < count; ++i) {
+    hold(pushes.preload, 0.4 + i * kPeriod / count);
+    rig.restart();
+    hold(pushes.preload, 0.1);
+    const double rest = rig.path(true);
+    rig.restart();
+    hold(pushes.force, 0.1);
+    sum += pushes.force / (rest - rig.path(false));
+    hold(pushes.force, 0.1);
+  }
+  CHECK(haptics.guard().fault() == GuardReason::none);
+  rig.push(0.0);
+  return sum / count;
+}
+
+void compare(const std::string& name, const Rig& rig, const Pushes& pushes, double least) {
+  const double control = depthStiffness(rig, pushes, false), spring = depthStiffness(rig, pushes, true);
+  std::cout << name << ": K_d of position control " << 1e-3 * control << " kN/m, of the spring " << 1e-3 * spring
+            << " kN/m, ratio " << control / spring << '\n';
+  CHECK(control > (test::longRun() ? least : 0.85 * least) * spring);  // few pushes scatter
+}
+
 }  // namespace
 
 #ifdef ENAMEL_DHD_STAND_IN
@@ -199,6 +258,17 @@ TEST_CASE("the Force Dimension driver in simulated time, with faults", "[drivers
                 {"forces cut", [&](bool on) { set("forces", !on); }},
                 {"unplugged", [&](bool on) { set("unplugged", on); }}};
   check("forcedimension", rig);
+}
+
+TEST_CASE("pushes through the Force Dimension driver", "[drivers]") {
+  const test::StandIn standIn(ENAMEL_DHD_STAND_IN, "dhd");
+  const auto path = standIn.find<double(int)>("dhdStandInPath");
+  standIn.set("model", 3.0);
+  Rig rig{std::string("forcedimension://0?library=") + ENAMEL_DHD_STAND_IN, 0.0, [] {}, {}};
+  rig.push = [&](double force) { standIn.set("push", force); };
+  rig.path = [=](bool mean) { return path(mean ? 1 : 0); };
+  rig.restart = [&] { standIn.set("path", 0.0); };
+  compare("omega.3", rig, {0.24, 2.76, 0.12, 14.7e3, 100.0}, 2.0);
 }
 #endif
 
@@ -217,19 +287,36 @@ TEST_CASE("the OpenHaptics driver in simulated time, with faults", "[drivers]") 
   check("openhaptics", rig);
   set("manual", 0.0);
 }
+
+TEST_CASE("pushes through the OpenHaptics driver", "[drivers]") {
+  const test::StandIn standIn(ENAMEL_HD_STAND_IN, "hd");
+  const auto path = standIn.find<double(int)>("hdStandInPath");
+  const auto periods = standIn.find<void(int)>("hdStandInPeriods");
+  standIn.set("manual", 1.0);
+  Rig rig{std::string("openhaptics://Default Device?library=") + ENAMEL_HD_STAND_IN, 0.0, [=] { periods(1); }, {}};
+  rig.push = [&](double force) { standIn.set("push", force); };
+  rig.path = [=](bool mean) { return path(mean ? 1 : 0); };
+  rig.restart = [&] { standIn.set("path", 0.0); };
+  compare("Touch", rig, {0.066, 0.759, 0.033, 2.114e3, 15.75}, 1.0);
+  standIn.set("manual", 0.0);
+}
 #endif
 
 #ifdef ENAMEL_HAPLY_SERVICE
+// The service answers over a socket in real time: wait for at most 0.2 s.
+static void awaitAnswer(HapticDevice& device, Measurement& m, Status& status) {
+  for (int i = 0; i < 10000 && status == Status::stale; ++i) {
+    std::this_thread::sleep_for(std::chrono::microseconds(20));
+    status = device.measure(m);
+  }
+}
+
 TEST_CASE("the Haply driver in simulated time, with faults", "[drivers]") {
   test::HaplyService service(test::deviceFile("inverse3.toml"), kHandWay, -kHandWay);
   bool isSilent = false;
   Rig rig{"haply://" + service.address(), std::sqrt(3.0) * 6.0, [] {}, [&] { return std::abs(service.force.load()); }};
-  // The service answers over a socket in real time: wait for at most 20 ms, unless a fault delays it.
   rig.await = [&](HapticDevice& device, Measurement& m, Status& status) {
-    for (int i = 0; i < 1000 && status == Status::stale && !isSilent; ++i) {
-      std::this_thread::sleep_for(std::chrono::microseconds(20));
-      status = device.measure(m);
-    }
+    if (!isSilent) awaitAnswer(device, m, status);
   };
   const auto silent = [&](std::atomic<bool>& fault) { return [&](bool on) { fault = isSilent = on; }; };
   rig.faults = {{"no device", silent(service.isUnplugged)},
@@ -238,6 +325,16 @@ TEST_CASE("the Haply driver in simulated time, with faults", "[drivers]") {
                 {"slow", [&](bool on) { service.isSlow = on; }},
                 {"closed", [&](bool on) { service.isClosing = isSilent = on; }}};
   check("haply", rig);
+}
+
+TEST_CASE("pushes through the Haply driver", "[drivers]") {
+  test::HaplyService service(test::deviceFile("inverse3.toml"), 0.0, 0.0);
+  Rig rig{"haply://" + service.address(), 0.0, [] {}, {}};
+  rig.await = awaitAnswer;
+  rig.push = [&](double force) { service.push = force; };
+  rig.path = [&](bool mean) { return mean ? service.mean() : service.lowest(); };
+  rig.restart = [&] { service.isNewPath = true; };
+  compare("Inverse3", rig, {0.12, 1.38, 0.06, 5.87e3, 35.0}, 2.0);
 }
 #endif
 

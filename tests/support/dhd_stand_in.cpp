@@ -20,8 +20,8 @@ struct StandIn {
   double wrench[7] = {};
   std::unique_ptr<test::HeldDevice> device;
   Clock::time_point begin;
-  Vec3 turn = Vec3::Zero();  // of the hand's target, axes of the SDK, rad
-  double placeZ = 0.0;       // of the hand, axis of W, m
+  Vec3 turn = Vec3::Zero();         // of the hand's target, axes of the SDK, rad
+  double placeZ = 0.0, push = 0.0;  // of the hand, axis of W, m and N
 };
 StandIn s;
 
@@ -34,6 +34,7 @@ void advance() {
     s.begin = Clock::now() - std::chrono::microseconds(static_cast<long>(1e6 * (s.device->time() + 0.1)));
   s.device->turn = axes() * s.turn;
   s.device->place.z() = s.placeZ;
+  s.device->push = s.push;
   const Vec3 force = axes() * Eigen::Map<const Vec3>(s.wrench), moment = axes() * Eigen::Map<const Vec3>(s.wrench + 3);
   while (s.device->time() < std::chrono::duration<double>(Clock::now() - s.begin).count())
     s.device->advance(s.forces ? force : Vec3(Vec3::Zero()), s.forces && s.model == 7 ? moment : Vec3(Vec3::Zero()));
@@ -45,7 +46,7 @@ void advance() {
 extern "C" {
 
 // what: "model" (3, 6, 7), "count", "power", "button", "unplugged", "early", "forces", "place-z",
-// "turn-x", "turn-y", "turn-z".
+// "push" (N), "path" (restarts it), "turn-x", "turn-y", "turn-z".
 void dhdStandIn(const char* what, double value) {
   const auto is = [what](const char* name) { return std::strcmp(what, name) == 0; };
   if (is("model")) s.model = static_cast<int>(value);
@@ -53,6 +54,8 @@ void dhdStandIn(const char* what, double value) {
   if (is("power")) s.hasPower = value != 0.0;
   if (is("button")) s.button = value != 0.0;
   if (is("place-z")) s.placeZ = value;
+  if (is("push")) s.push = value;
+  if (is("path")) s.device->path = {};
   if (is("unplugged")) s.isUnplugged = value != 0.0;
   if (s.isUnplugged) {  // nothing drives the motors any more
     s.forces = false;
@@ -64,6 +67,7 @@ void dhdStandIn(const char* what, double value) {
     if (std::strncmp(what, "turn-", 5) == 0 && what[5] == "xyz"[i]) s.turn[i] = value;
 }
 double dhdStandInForce(int axis) { return s.wrench[axis]; }
+double dhdStandInPath(int mean) { return mean != 0 ? s.device->path.mean() : s.device->path.lowest; }
 
 int dhdGetDeviceCount() { return s.count; }
 int dhdOpenID(char index) {

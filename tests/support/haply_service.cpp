@@ -11,9 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "enamel/device/device_file.hpp"
-#include "enamel/sim/virtual_device.hpp"
 #include "runtime/system_thread.hpp"
+#include "support/held_device.hpp"
 
 namespace enamel::test {
 
@@ -35,38 +34,25 @@ Json jsonOf(const Vec3& v) { return Json{{"x", v.x()}, {"y", v.y()}, {"z", v.z()
 Vec3 toService(const Vec3& w) { return {w.x(), -w.z(), w.y()}; }
 Vec3 toWorld(const Vec3& s) { return {s.x(), s.z(), -s.y()}; }
 
-VirtualDeviceSetup setupAt(double z) {
-  VirtualDeviceSetup setup;
-  setup.start.position.z() = z;
-  setup.period = kPeriod;
-  setup.encoders = {true, RateSource::lowPass, 100.0};
-  return setup;
-}
-
 }  // namespace
 
 struct HaplyService::Server {
   HaplyService& service;
-  std::shared_ptr<const Mechanism> mechanism;
   double high, low;
-  VirtualDevice device;
+  HeldDevice device;
   Clock::time_point begin = Clock::now();
   net::io_context io;
   tcp::acceptor acceptor{io, tcp::endpoint(net::ip::address_v4::loopback(), 0)};
   std::atomic<int> open{-1};  // the socket of the client
   std::atomic<bool> stops{false};
-  Measurement sample;
-  Command applied{JointVector::Zero(3)};
-  double skipped = 0.0;  // s, of the clock
-  std::thread thread;    // last: it uses all others
+  Vec3 applied = Vec3::Zero();  // axes of W, N
+  double skipped = 0.0;         // s, of the clock
+  std::thread thread;           // last: it uses all others
 
   Server(HaplyService& s, const std::string& file, double from, double to)
-      : service(s),
-        mechanism(makeMechanism(loadDevice(file))),
-        high(from),
-        low(to),
-        device(*mechanism, setupAt(from)),
-        thread([this] { run(); }) {}
+      : service(s), high(from), low(to), device(loadDevice(file), kPeriod, from * Vec3::UnitZ()), thread([this] {
+          run();
+        }) {}
   ~Server() {
     stops = true;
     shutdown(acceptor.native_handle(), SHUT_RDWR);
@@ -75,8 +61,8 @@ struct HaplyService::Server {
   }
 
   void run() {
-    (void)device.measure(sample);       // a clock that the test advances may not have moved
-    (void)system::requestRealtime(70);  // other programs on this machine are not part of the test
+    device.advance(applied, Vec3::Zero());  // a clock that the test advances may not have moved
+    (void)system::requestRealtime(70);      // other programs on this machine are not part of the test
     while (!stops) {
       beast::error_code error;
       tcp::socket socket(io);
@@ -99,7 +85,7 @@ struct HaplyService::Server {
       beast::flat_buffer buffer;
       stream.read(buffer, error);
       if (error || service.isClosing.exchange(false)) {  // the motors are off without a client
-        applied.effort.setZero();
+        applied.setZero();
         service.force = 0.0;
         return;
       }
@@ -130,7 +116,7 @@ struct HaplyService::Server {
     const Vec3 f(v.at("x"), v.at("y"), v.at("z"));
     service.force = f.z();
     service.largestForce = std::max(service.largestForce.load(), f.norm());
-    applied = {JointVector(toWorld(f))};
+    applied = toWorld(f);
   }
 
   // Simulate to the present, at most 0.1 s.
@@ -138,22 +124,18 @@ struct HaplyService::Server {
     const double now = std::chrono::duration<double>(Clock::now() - begin).count() - skipped;
     if (now - device.time() > 0.1) skipped += now - device.time() - 0.1;
     while (device.time() < std::chrono::duration<double>(Clock::now() - begin).count() - skipped) {
-      (void)device.measure(sample);
-      (void)device.actuate(applied);
-      (void)device.advance([this](double time, const Pose& pose, const Vec6& twist) {
-        const double z = 0.5 * (high + low) + 0.5 * (high - low) * std::cos(2.0 * M_PI * time);
-        Vec6 wrench = Vec6::Zero();
-        wrench.head<3>() = 150.0 * (Vec3(0.0, 0.0, z) - pose.position) - 5.0 * twist.head<3>();
-        return wrench;
-      });
+      device.place.z() = 0.5 * (high + low) + 0.5 * (high - low) * std::cos(2.0 * M_PI * device.time());
+      device.push = service.push;
+      if (service.isNewPath.exchange(false)) device.path = {};
+      device.advance(applied, Vec3::Zero());
     }
   }
 
   std::string stateText(bool isFirst) {
     advance();
-    const Json state{{"cursor_position", jsonOf(toService(Vec3(sample.q)) + kCentre)},
-                     {"cursor_velocity", jsonOf(toService(Vec3(sample.rates)))},
-                     {"current_cursor_force", jsonOf(toService(Vec3(applied.effort)))},
+    const Json state{{"cursor_position", jsonOf(toService(Vec3(device.sample().q)) + kCentre)},
+                     {"cursor_velocity", jsonOf(toService(Vec3(device.sample().rates)))},
+                     {"current_cursor_force", jsonOf(toService(applied))},
                      {"control_mode", "force"}};
     Json entry{{"device_id", kId}};
     if (isFirst) {
@@ -182,6 +164,8 @@ struct HaplyService::Server {
 HaplyService::HaplyService(const std::string& deviceFile, double high, double low)
     : server_(std::make_unique<Server>(*this, deviceFile, high, low)) {}
 HaplyService::~HaplyService() = default;
+double HaplyService::lowest() const { return server_->device.path.lowest; }
+double HaplyService::mean() const { return server_->device.path.mean(); }
 std::string HaplyService::address() const {
   return "127.0.0.1:" + std::to_string(server_->acceptor.local_endpoint().port());
 }

@@ -17,6 +17,10 @@ class HaplyService {
   HaplyService(const HaplyService&) = delete;
   HaplyService& operator=(const HaplyService&) = delete;
 
+  /// Return lowest and mean z of the device, W, m. Call them only while the client does not send.
+  double lowest() const;
+  double mean() const;
+
   /// Return "127.0.0.1:PORT".
   std::string address() const;
 
@@ -30,6 +34,9 @@ class HaplyService {
   std::atomic<bool> isClosing{false};       ///< closes the connection at the next message
   std::atomic<bool> isUncalibrated{false};  ///< in the first message
   std::atomic<bool> isPermuted{false};      ///< in the first message
+
+  std::atomic<double> push{0.0};       ///< of the hand against W's z, N
+  std::atomic<bool> isNewPath{false};  ///< restarts lowest() and mean(); false again when done
 
   std::atomic<std::uint64_t> messages{0};             ///< received
   std::atomic<double> force{0.0}, largestForce{0.0};  ///< newest and largest force along z of the service, N

@@ -62,6 +62,7 @@ void period() {
   if (!s.isOpen) return;
   s.device->turn = {s.valueOf("turn-x"), s.valueOf("turn-y"), s.valueOf("turn-z")};
   s.device->place.z() = s.valueOf("place-z");
+  s.device->push = s.valueOf("push");
   s.device->advance(s.forces && !s.has("unplugged") ? Vec3(Vec3::Map(s.force)) : Vec3(Vec3::Zero()), Vec3::Zero());
 }
 
@@ -72,16 +73,21 @@ extern "C" {
 
 // Faults of 1 or 0: "button", "unplugged", "fault", "warm", "stalled". "absent" is the error of hdInitDevice().
 // "uncalibrated": 1 if an update helps, 2 if only the user can. "touch-x": another model. "max-force": N.
-// "manual": periods by hdStandInPeriods() instead of a thread. "place-z", "turn-x", "turn-y", "turn-z": of the hand, in
-// the axes of W, m and rad.
+// "manual": periods by hdStandInPeriods() instead of a thread. "place-z", "push", "turn-x", "turn-y", "turn-z": of the
+// hand, in the axes of W, m, N and rad. "path" restarts it.
 void hdStandIn(const char* what, double value) {
   const Lock lock(s.mutex);
   s.faults[what] = value;
+  if (std::strcmp(what, "path") == 0) s.device->path = {};
   if (s.has("unplugged")) s.forces = false;  // nothing drives the motors any more
 }
 double hdStandInForce(int axis) {
   const Lock lock(s.mutex);
   return s.forces ? s.force[axis] : 0.0;
+}
+double hdStandInPath(int mean) {
+  const Lock lock(s.mutex);
+  return mean != 0 ? s.device->path.mean() : s.device->path.lowest;
 }
 void hdStandInPeriods(int count) {
   for (int i = 0; i < count; ++i) period();

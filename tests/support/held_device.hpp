@@ -4,16 +4,21 @@
 #include <string>
 
 #include "enamel/device/device_file.hpp"
+#include "enamel/sim/imperfect_plant.hpp"
 #include "enamel/sim/virtual_device.hpp"
 
 namespace enamel::test {
 
-/// The hand holds the device at the middle (100 N/m, 5 N s/m), turned by `turn`. Everything is in W.
+/// The imperfect plant of a device file. The hand holds it at `place` (100 N/m, 5 N s/m), turned by `turn`, and pushes.
+/// Everything is in W.
 class HeldDevice {
  public:
+  explicit HeldDevice(const DeviceParameters& parameters, double period, const Vec3& at = Vec3::Zero())
+      : place(at),
+        mechanism_(makeMechanism(parameters)),
+        device_(std::make_unique<ImperfectPlant>(makeImperfectDevice(parameters, 1)), setupOf(period, at)) {}
   HeldDevice(const std::string& file, double period)
-      : mechanism_(makeMechanism(loadDevice(std::string(ENAMEL_SOURCE_DIR "/data/devices/") + file))),
-        device_(*mechanism_, setupOf(period)) {}
+      : HeldDevice(loadDevice(std::string(ENAMEL_SOURCE_DIR "/data/devices/") + file), period) {}
 
   /// Simulate one period with a wrench of the motors, and keep the sample of its begin.
   void advance(const Vec3& force, const Vec3& moment) {
@@ -31,14 +36,20 @@ class HeldDevice {
     (void)device_.advance([&](double, const Pose& pose, const Vec6& twist) {
       Vec6 wrench;
       const Eigen::AngleAxisd left(Mat3(target * pose.rotation.transpose()));
-      wrench << 100.0 * (place - pose.position) - 5.0 * twist.head<3>(),
+      wrench << 100.0 * (place - pose.position) - 5.0 * twist.head<3>() - push * Vec3::UnitZ(),
           0.2 * left.angle() * left.axis() - 0.02 * twist.tail<3>();
       if (mechanism_->joints() == 3) wrench.tail<3>().setZero();
       return wrench;
     });
+    const double z = device_.state().position.z();
+    path.lowest = std::min(path.lowest, z);
+    path.sum += z;
+    ++path.count;
   }
 
   double time() const noexcept { return device_.time(); }
+
+  const Measurement& sample() const noexcept { return sample_; }  ///< the newest one
 
   /// Return the pose of the newest sample.
   Pose pose() const {
@@ -47,13 +58,22 @@ class HeldDevice {
     return k.pose;
   }
 
-  Vec3 place = Vec3::Zero(), turn = Vec3::Zero();  ///< of the hand, m and rad
+  Vec3 place, turn = Vec3::Zero();  ///< of the hand, m and rad
+  double push = 0.0;                ///< against W's z, N
+  struct Path {
+    double lowest = 1e9, sum = 0.0;
+    int count = 0;
+
+    double mean() const noexcept { return sum / count; }
+  };
+  Path path;  ///< of the true z since its last reset, m
 
  private:
-  static VirtualDeviceSetup setupOf(double period) {
+  static VirtualDeviceSetup setupOf(double period, const Vec3& at) {
     VirtualDeviceSetup setup;
+    setup.start.position = at;
     setup.period = period;
-    setup.encoders.quantised = true;
+    setup.encoders = {true, RateSource::lowPass, 100.0};
     return setup;
   }
 
