@@ -8,16 +8,10 @@ namespace enamel::app {
 
 inline constexpr double kTooDeep = 1e-3;  ///< m: limit of the paper's Table II
 
-/// Return the title of a plant.
-const std::string& plantTitle(const std::string& plant);
-
 inline double meanOf(const std::vector<double>& values) { return spreadOf(values).mean; }
 
 /// Return "lost" for an infinite value.
 std::string scoreText(double value);
-
-/// Return a probability as text; "–" for a missing value.
-std::string pText(double p);
 
 /// Return true for hold and position control, which the paper's comparison sets against its spring.
 bool isPositionBased(ColumnKind kind);

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "compare/page_parts.hpp"
-#include "enamel/study/welch.hpp"
 #include "study/numbers.hpp"
+#include "study/pairs.hpp"
 
 namespace enamel::app {
 namespace {
@@ -104,16 +104,14 @@ std::string delayClaim(const Condition& c, const RendererScore& s) {
       s.lost == 0 && deep <= 3 && most < 1.1e-3 ? "holds" : "refuted");
 }
 
-std::string stiffnessClaim(const Condition& c, const RendererScore& ours, const RendererScore& spring) {
-  const WelchTest t = welchTest(spreadOf(ours.stiffness), spreadOf(spring.stiffness));
+std::string stiffnessClaim(const Condition& c, const PairedComparison& k) {
   return fmt::format(
-      "“Position control is stiffer than impedance” on {}, {}: {} against {} N/m (p {}), "
-      "{} against {} runs lost: <b>{}</b>.",
-      plantTitle(c.plant), delayText(c.delay), meanText(spreadOf(ours.stiffness)), meanText(spreadOf(spring.stiffness)),
-      pText(t.p), ours.lost, spring.lost,
-      !(t.t > 0.0 && t.p < 0.05) ? "does not hold"
-      : ours.lost == 0           ? "holds"
-                                 : "stiffer, but runs are lost");
+      "“Position control is stiffer than impedance” on {}, {}: {} times as stiff as {} (K_d), {} against {} runs lost: "
+      "<b>{}</b>.",
+      plantTitle(c.plant), delayText(c.delay), timesText(k.wall), escape(c.title(k.b)), k.lostA, k.lostB,
+      k.verdict == PairedVerdict::better  ? "holds"
+      : k.verdict == PairedVerdict::worse ? "does not hold"
+                                          : "not decided");
 }
 
 std::size_t columnNamed(const Condition& condition, const std::string& name) {
@@ -131,8 +129,9 @@ void addClaims(Page& page, const std::vector<Condition>& conditions) {
     if (c.delay.rfind("random", 0) == 0 && hold < none) items.push_back(delayClaim(c, c.scores[hold]));
     std::size_t spring = columnNamed(c, std::string(kTuned) + kImpedance);
     if (spring == none) spring = columnNamed(c, kImpedance);
-    if (c.plant != kClosedForm && ours < none && spring < none)
-      items.push_back(stiffnessClaim(c, c.scores[ours], c.scores[spring]));
+    for (const PairedComparison& k : c.pairs)
+      if (c.plant != kClosedForm && k.a == ours && k.b == spring && isStiffness(k.question))
+        items.push_back(stiffnessClaim(c, k));
   }
   page.list(items);
 }

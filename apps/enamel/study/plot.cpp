@@ -1,0 +1,43 @@
+#include "study/plot.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <cstdlib>
+
+namespace enamel::app {
+
+std::string colourText(unsigned rgb) { return fmt::format("#{:06x}", rgb); }
+
+Json numbers(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double v : values) list.push_back(std::isfinite(v) ? Json(std::stod(fmt::format("{:.5g}", v))) : Json());
+  return list;
+}
+
+Json axis(const std::string& title, bool logarithmic) { return {{"title", title}, {"log", logarithmic}}; }
+
+Json axis(const std::string& title, double low, double high, bool logarithmic) {
+  return {{"title", title}, {"log", logarithmic}, {"low", low}, {"high", high}};
+}
+
+Json line(const std::string& name, Json x, const std::vector<double>& y, const Style& style) {
+  return {{"type", "line"},
+          {"name", name},
+          {"x", std::move(x)},
+          {"y", numbers(y)},
+          {"colour", colourText(style.colour)},
+          {"width", style.width},
+          {"dash", style.dash}};
+}
+
+Json level(double y, const Style& style) {
+  return {
+      {"type", "level"}, {"y", y}, {"colour", colourText(style.colour)}, {"width", style.width}, {"dash", style.dash}};
+}
+
+Json entry(const std::string& name, const Style& style, bool filled) {
+  return {{"name", name}, {"colour", colourText(style.colour)}, {"dash", style.dash}, {"filled", filled}};
+}
+
+}  // namespace enamel::app
