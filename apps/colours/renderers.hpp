@@ -14,24 +14,25 @@ struct RendererLook {
   int dash[2];  ///< lengths of dashes and gaps; zero: a solid line
 };
 
-/// Methods of one family have one colour: solid as published, dashed as tuned.
+/// Methods of one family have one colour: solid as published, dashed as varied or tuned. The first four are the linked
+/// renderers, in the order of the viewer's slots.
 inline constexpr RendererLook kRendererLooks[] = {
     {"position-control", "position control", kBlue, {}},
-    {"impedance", "impedance", kVermilion, {}},
-    {"hold", "hold", kGreen, {}},
-    {"passivity", "passivity control", kPurple, {}},
-    {"hold-scheduled", "scheduled hold", kGreen, {9, 3}},
-    {"impedance-edge", "impedance at the edge of eq. 16", kVermilion, {2, 3}},
-    {"tuned:hold", "hold, tuned", kGreen, {5, 3}},
-    {"tuned:hold-delay", "hold that foresees the delay, tuned", kSky, {}},
-    {"tuned:virtual-coupling", "virtual coupling, tuned", kOrange, {}},
-    {"tuned:passivity", "passivity control, tuned", kPurple, {5, 3}},
-    {"tuned:passivity-memory", "passivity control with memory, tuned", kPurple, {2, 3}},
-    {"tuned:impedance", "impedance, tuned", kVermilion, {5, 3}}};
+    {"impedance", "impedance", kPurple, {}},
+    {"hold", "hold", kSky, {}},
+    {"passivity", "passivity control", kGreen, {}},
+    {"hold-scheduled", "scheduled hold", kSky, {9, 3}},
+    {"impedance-edge", "impedance at the edge of eq. 16", kPurple, {2, 3}},
+    {"tuned:hold", "hold, tuned", kSky, {5, 3}},
+    {"tuned:hold-delay", "hold that foresees the delay, tuned", kSky, {2, 3}},
+    {"tuned:virtual-coupling", "virtual coupling, tuned", kOrange, {5, 3}},
+    {"tuned:passivity", "passivity control, tuned", kGreen, {5, 3}},
+    {"tuned:passivity-memory", "passivity control with memory, tuned", kGreen, {2, 3}},
+    {"tuned:impedance", "impedance, tuned", kPurple, {5, 3}}};
 
 /// Looks of all other renderers, in their order: plugins and servo files.
 inline constexpr RendererLook kOtherLooks[] = {
-    {"", "", kInk, {}}, {"", "", kBrown, {}}, {"", "", kInk, {5, 3}}, {"", "", kBrown, {5, 3}}};
+    {"", "", kBrown, {}}, {"", "", kInk, {}}, {"", "", kBrown, {5, 3}}, {"", "", kInk, {5, 3}}};
 
 /// Return the look of a renderer; nullptr if its name is not in the table.
 constexpr const RendererLook* lookOf(std::string_view name) {

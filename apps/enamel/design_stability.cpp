@@ -100,7 +100,6 @@ Json mapsOf(const DeviceLoops& device, std::size_t error, const std::string& tit
       levels[i * kColumns + column] = levelOf(device.loops[i / kRows], errors);
     }
   });
-  const Json xs = numbers(mass), ys = numbers(other);
   Json panels = Json::array(), legend = Json::array();
   for (std::size_t d = 0; d < device.loops.size(); ++d) {
     Json cells = Json::array();
@@ -108,35 +107,29 @@ Json mapsOf(const DeviceLoops& device, std::size_t error, const std::string& tit
       for (std::size_t from = 0, to = 0; from < kColumns; from = to) {  // cells of one level are one box
         const Level* line = &levels[(d * kRows + row) * kColumns];
         while (to < kColumns && line[to] == line[from]) ++to;
-        if (line[from] != impossible)
-          cells.push_back({{"x0", xs[from]},
-                           {"x1", xs[to]},
-                           {"y0", ys[row]},
-                           {"y1", ys[row + 1]},
-                           {"colour", colourText(kColours[line[from]])},
-                           {"text", kLevelNames[line[from]]}});
+        if (line[from] == impossible) continue;
+        cells.push_back(rectangle(mass[from], mass[to], other[row], other[row + 1]));
+        cells.back()["colour"] = colourText(kColours[line[from]]);
+        cells.back()["text"] = kLevelNames[line[from]];
       }
     Json y = axis(title, other.front(), other.back());
     y["numbers"] = d == 0;
     const Json asInFile = numbers({DeviceErrors().*kErrors[error]});
-    panels.push_back({{"title", fmt::format("delay {}", d)},
-                      {"width", std::max(100, 680 / static_cast<int>(device.loops.size()))},
-                      {"height", 150},
-                      {"grid", false},
-                      {"x", axis("mass over the file's", mass.front(), mass.back())},
-                      {"y", y},
-                      {"layers",
-                       {{{"type", "cells"}, {"cells", cells}},
-                        {{"type", "points"},
-                         {"x", {1.0}},
-                         {"y", asInFile},
-                         {"texts", {"as in the file"}},
-                         {"colour", colourText(viewer::kVermilion)}}}}});
+    panels.push_back(panel(fmt::format("delay {}", d),
+                           std::max(100.0, 680.0 / static_cast<double>(device.loops.size())), 150,
+                           axis("mass over the file's", mass.front(), mass.back()), y,
+                           {{{"type", "cells"}, {"cells", cells}},
+                            {{"type", "points"},
+                             {"x", Json::array({1.0})},
+                             {"y", asInFile},
+                             {"texts", Json::array({"as in the file"})},
+                             {"colour", colourText(viewer::kVermilion)}}}));
+    panels.back()["grid"] = false;
   }
   for (int level = all; level >= unstable; --level)
     legend.push_back(entry(kLevelNames[level], {kColours[level]}, true));
   legend.push_back(entry("as in the file", {viewer::kVermilion}, true));
-  return {{"label", "mass and " + title}, {"columns", device.loops.size()}, {"legend", legend}, {"panels", panels}};
+  return figure("mass and " + title, static_cast<int>(device.loops.size()), legend, panels);
 }
 
 std::string pageOf(const DeviceLoops& device, const std::string& name, int threads) {

@@ -63,17 +63,11 @@ Json torqueFigure(const Identification& result) {
     }
     Json time = axis("time, s");
     time["numbers"] = joint + 1 == joints;
-    panels.push_back(
-        {{"title", fmt::format("{}: {:.2f} % explained", t.joint[row], 100.0 * result.explained[joint])},
-         {"width", kWide},
-         {"height", 110},
-         {"x", time},
-         {"y", axis(isLinear(t.joint[row]) ? "N" : "N m")},
-         {"layers", {line("command", times, commanded, command), line("model", times, explained, model)}}});
+    panels.push_back(panel(fmt::format("{}: {:.2f} % explained", t.joint[row], 100.0 * result.explained[joint]), kWide,
+                           110, time, axis(isLinear(t.joint[row]) ? "N" : "N m"),
+                           {line("command", times, commanded, command), line("model", times, explained, model)}));
   }
-  return {{"label", "torques of command and model"},
-          {"legend", {entry("command", command), entry("model", model)}},
-          {"panels", panels}};
+  return figure("torques of command and model", 1, {entry("command", command), entry("model", model)}, panels);
 }
 
 // Spectra of the residuals, and the density of rounding.
@@ -95,14 +89,8 @@ Json residualFigure(const Identification& result) {
   }
   legend.push_back(entry("rounding of its encoder", dashed(viewer::kMuted)));
   const std::string unit = !isLinear(t.joint.front()) ? "µrad" : isLinear(t.joint.back()) ? "µm" : "µm or µrad";
-  return {{"label", "spectra of the residuals"},
-          {"legend", legend},
-          {"panels",
-           {{{"width", kWide},
-             {"height", 280},
-             {"x", axis("frequency, Hz", true)},
-             {"y", axis(unit + " / √Hz", true)},
-             {"layers", layers}}}}};
+  return figure("spectra of the residuals", 1, legend,
+                Json::array({panel("", kWide, 280, axis("frequency, Hz", true), axis(unit + " / √Hz", true), layers)}));
 }
 
 void addWalls(Page& page, const Identification& result, const std::vector<WallExpectation>& expected) {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "colours/palette.hpp"
+#include "colours/renderers.hpp"
 #include "colours/tooth_colours.hpp"
 #include "enamel/collision/solid_surface.hpp"
 #include "enamel/core/error.hpp"
@@ -274,7 +274,9 @@ json PageSide::obstacleOf(std::size_t number, PageNumbers& numbers) const {
 json PageSide::finish(PageNumbers& numbers) {
   if (times_.empty()) throw Error(title_ + ": has no tick that can be shown");
   takeBricks(static_cast<float>(end_));
+  const viewer::RendererLook* look = viewer::lookOf(title_);
   json side = {{"title", title_},
+               {"colour", look != nullptr ? look->colour : viewer::kBrown},
                {"renderer", header_.renderer},
                {"period", header_.guard.period},
                {"end", end_},

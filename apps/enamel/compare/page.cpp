@@ -70,40 +70,27 @@ Json boxPanel(const std::vector<const Condition*>& conditions, const std::vector
     for (std::size_t i = 0; i < c->scores.size(); ++i) {
       std::vector<double> values = c->scores[i].*member;
       for (double& v : values) v *= scale;
-      const Style& style = c->study.labels[i].style;
-      boxes.push_back({{"group", names.back()},
-                       {"series", c->title(i)},
-                       {"colour", colourText(style.colour)},
-                       {"dash", style.dash},
-                       {"values", numbers(values)}});
+      boxes.push_back(boxOf(names.back(), c->title(i), c->study.labels[i].style, values));
     }
   }
   const Json y = high > 0.0 ? axis(title, 0.8 * low, 1.25 * high, true) : axis(title, true);
-  return {{"width", 760},
-          {"height", 300},
-          {"x", {{"names", names}}},
-          {"y", y},
-          {"layers", {{{"type", "boxes"}, {"boxes", boxes}}}}};
+  return panel("", 760, 300, {{"names", names}}, y, Json::array({{{"type", "boxes"}, {"boxes", boxes}}}));
 }
 
 void addBoxes(Page& page, const std::vector<const Condition*>& conditions, const std::vector<Condition>& all) {
   const Condition& any = *conditions.front();
   const Json legend = legendOf(any.study, true);
   const std::string where = plantTitle(any.plant);
-  page.figure(
-      "stiffness-" + any.plant,
-      {{"label", "stiffness"},
-       {"legend", legend},
-       {"panels", {boxPanel(conditions, all, "K_d (kN/m)", &RendererScore::depthStiffness, 1e-3)}}},
-      fmt::format("Stiffness K_d of the runs of scenario 1 on {}: higher is better. Boxes: median and quartiles.",
-                  where));
+  const Json stiffness = boxPanel(conditions, all, "K_d (kN/m)", &RendererScore::depthStiffness, 1e-3);
   Json depth = boxPanel(conditions, all, "largest penetration (mm)", &RendererScore::depth, 1e3);
   depth["layers"].push_back(level(1e3 * kTooDeep, dashed(viewer::kInk)));
-  page.figure(
-      "depth-" + any.plant, {{"label", "largest penetration"}, {"legend", legend}, {"panels", {depth}}},
-      fmt::format("Largest penetration of a run on {}, scenario 1 (as in the paper's Fig. 15): lower is better. "
-                  "Dashed: the limit of Table II, 1 mm.",
-                  where));
+  page.figure("stiffness-" + any.plant, figure("stiffness", 1, legend, Json::array({stiffness})),
+              fmt::format("Stiffness K_d of the runs of scenario 1 on {}: higher is better. Boxes: median and quartiles.",
+                          where));
+  page.figure("depth-" + any.plant, figure("largest penetration", 1, legend, Json::array({depth})),
+              fmt::format("Largest penetration of a run on {}, scenario 1 (as in the paper's Fig. 15): lower is better. "
+                          "Dashed: the limit of Table II, 1 mm.",
+                          where));
 }
 
 // Add the paired comparisons of a plant: a row for each rival and delay.
@@ -139,15 +126,11 @@ void addTests(Page& page, const std::vector<const Condition*>& conditions) {
   if (!intervals.empty())
     page.figure(
         "pairs-" + conditions.front()->plant,
-        {{"label", "paired ratios of stiffness"},
-         {"panels",
-          {{{"width", 480},
-            {"height", 20 * names.size() + 10},
-            {"x", axis("K_d over that of the rival", true)},
-            {"y", {{"names", names}}},
-            {"layers",
-             {{{"type", "intervals"}, {"rows", intervals}},
-              {{"type", "mark"}, {"x", 1.0}, {"dash", {6, 4}}, {"width", 1}}}}}}}},
+                figure("paired ratios of stiffness", 1, Json::array(),
+                       Json::array({panel("", 480, 20.0 * static_cast<double>(names.size()) + 10.0,
+                                          axis("K_d over that of the rival", true), {{"names", names}},
+                                          {{{"type", "intervals"}, {"rows", intervals}},
+                                           {{"type", "mark"}, {"x", 1.0}, {"dash", {6, 4}}, {"width", 1}}})})),
         fmt::format("K_d of {} divided by that of each rival on {}, in pairs of runs with the same random numbers, "
                     "with 95 % intervals. Right of the dashed line {} is stiffer.",
                     reference, plant, reference));

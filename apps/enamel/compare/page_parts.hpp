@@ -16,7 +16,7 @@ std::string scoreText(double value);
 /// Return true for hold and position control, which the paper's comparison sets against its spring.
 bool isPositionBased(ColumnKind kind);
 
-/// Add the paper's claims with their verdicts, and tables in the form of its Tables III and IV.
+/// Add the paper's claims with their verdicts, and a table in the form of its Table III.
 void addPaper(Page& page, const std::vector<Condition>& conditions);
 
 }  // namespace enamel::app

@@ -54,39 +54,6 @@ void addTableThree(Page& page, const std::vector<Condition>& conditions) {
              rows);
 }
 
-// The paper's Table IV: lowest value of the servo against highest of the baseline.
-void addTableFour(Page& page, const std::vector<Condition>& conditions) {
-  std::vector<std::vector<std::string>> rows;
-  const auto extreme = [](const std::optional<Extreme>& e) { return e ? scoreText(e->value) : std::string("–"); };
-  for (const Condition& c : conditions)
-    for (const WallSummary& servo : c.walls) {
-      if (!isPositionBased(c.study.labels[servo.column].kind)) continue;
-      const std::size_t spring = c.study.column(ColumnKind::impedance);
-      for (const WallSummary& wall : c.walls) {
-        if (wall.scenario != servo.scenario || wall.column != spring) continue;
-        const bool first = servo.scenario == 1 && servo.lowestFirst && wall.highestFirst &&
-                           servo.lowestFirst->value > wall.highestFirst->value;
-        const bool steady =
-            servo.lowestSteady && wall.highestSteady && servo.lowestSteady->value > wall.highestSteady->value;
-        std::string because;
-        for (const std::string& reason : {lostText(servo), withoutFirstText(servo)})
-          if (!reason.empty()) because += (because.empty() ? "" : ", ") + reason;
-        if (!wall.stable()) because += (because.empty() ? "" : "; ") + ("impedance: " + lostText(wall));
-        const bool holds = servo.stable() && steady && (first || servo.scenario == 2);
-        rows.push_back({escape(c.title(servo.column)), c.plant, delayText(c.delay), fmt::format("{}", servo.scenario),
-                        extreme(servo.lowestFirst), extreme(wall.highestFirst), extreme(servo.lowestSteady),
-                        extreme(wall.highestSteady),
-                        holds                              ? "holds"
-                        : wall.stable() || !servo.stable() ? "does not hold"
-                                                           : "nothing to compare with",
-                        because});
-      }
-    }
-  page.table({"renderer", "plant", "delay", "scenario", "its lowest K_z1, N/m", "impedance's highest",
-              "its lowest K_zs, N/m", "impedance's highest", "order", "because"},
-             rows);
-}
-
 // Check the paper's claim about a random delay for one condition.
 std::string delayClaim(const Condition& c, const RendererScore& s) {
   const auto deep = std::count_if(s.depth.begin(), s.depth.end(), [](double depth) { return depth > kTooDeep; });
@@ -147,11 +114,6 @@ void addPaper(Page& page, const std::vector<Condition>& conditions) {
       "Table III: the largest penetration of a run without delay and, in brackets, with a random delay. In the paper, "
       "all runs stay within 1 mm; with a random delay, 3 of 90 exceed it and none exceeds 1.1 mm.");
   addTableThree(page, conditions);
-  page.paragraph(
-      "Table IV: the lowest stiffness of the servo over the wall against the highest of the paper's spring of 6000 "
-      "N/m. In the paper, K_z1 is 17 174 against 3 112.6, and in co-simulation 16 743 (13 367 with a random delay) "
-      "against 5 360.2. K_zs is 92 387 against 6 180.5, and in co-simulation 34 306 (54 634) against 6 302.2.");
-  addTableFour(page, conditions);
 }
 
 }  // namespace enamel::app

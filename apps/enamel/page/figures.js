@@ -1,4 +1,4 @@
-// Draws the figures of a page by Vega. A figure is JSON: panels in a grid, each with axes and layers.
+// Draws the figures of a page by Vega. A figure is JSON of study/plot.hpp: panels in a grid, each with axes and layers.
 'use strict';
 const kInk = '#1f262e', kMuted = '#66707c', kGrid = '#e4e8ec', kNoValue = '#bdbdbd';
 const isNumber = value => typeof value === 'number';
@@ -14,7 +14,6 @@ function xsOf(layer) {
 function valuesOf(layer, axis) {
   switch (layer.type) {
     case 'line': case 'points': return axis === 'x' ? xsOf(layer) : layer.y;
-    case 'band': return axis === 'x' ? layer.x : [...layer.low, ...layer.high];
     case 'level': return axis === 'y' ? [layer.y] : [];
     case 'mark': return axis === 'x' ? [layer.x] : [];
     case 'cells': return layer.cells.flatMap(cell => axis === 'x' ? [cell.x0, cell.x1] : [cell.y0, cell.y1]);
@@ -42,24 +41,35 @@ function domainOf(panel, axis, figure) {
 }
 
 function scaleOf(name, settings, signal) {
-  if (settings.names) return {name, type: 'band', domain: settings.names, range: name === 'x' ? 'width' : 'height', padding: 0.1};
-  return {name, type: settings.log ? 'log' : 'linear', domain: {signal}, range: name === 'x' ? 'width' : 'height', nice: false};
+  const range = name === 'x' ? 'width' : 'height';
+  if (settings.names) return {name, type: 'band', domain: settings.names, range, padding: 0.1};
+  return {name, type: settings.log ? 'log' : 'linear', domain: {signal}, range, nice: false, ...(settings.log ? {} : {zero: false})};
 }
 
-function axisOf(name, settings, panel) {
+// Return 1, 2 and 5 times powers of ten, or every power if there are many.
+function logTicks([low, high]) {
+  const decades = Math.log10(high / low), every = Math.ceil(decades / 8), ticks = [];
+  for (let power = Math.floor(Math.log10(low)); 10 ** power <= high; ++power)
+    for (const factor of decades < 2.2 ? [1, 2, 5] : power % every === 0 ? [1] : [])
+      if (factor * 10 ** power >= low && factor * 10 ** power <= high) ticks.push(factor * 10 ** power);
+  return ticks;
+}
+
+function axisOf(name, settings, panel, domain) {
   const numbers = settings.numbers !== false, length = name === 'x' ? panel.width : panel.height;
   return {scale: name, orient: name === 'x' ? 'bottom' : 'left', title: numbers ? settings.title || null : null,
     labels: numbers, ticks: numbers && !settings.names, grid: !settings.names && panel.grid !== false, domain: false,
     tickCount: Math.max(2, Math.round(length / (name === 'x' ? 80 : 45))), labelOverlap: true,
-    ...(settings.log ? {format: '~g'} : {})};
+    ...(settings.log ? {format: '~g', values: logTicks(domain)} : {})};
 }
 
 // ---- layers --------------------------------------------------------------------------------------------------------
 
-const at = (scale, field) => ({scale, field});
-const styled = layer => ({stroke: {value: layer.colour || kInk}, strokeWidth: {value: layer.width || 1.5},
-  strokeDash: {value: layer.dash || []}});
-const tip = {tooltip: {field: 'text'}};
+const at = (scale, field) => ({scale, field}), is = value => ({value}), by = field => ({field});
+const mark = (type, data, update) => ({type, ...(data ? {from: {data}} : {}), encode: {update}});
+const styled = layer => ({stroke: is(layer.colour || kInk), strokeWidth: is(layer.width || 1.5), strokeDash: is(layer.dash || [])});
+const xy = {x: at('x', 'x'), y: at('y', 'y')}, tip = {tooltip: by('text')};
+const corners = {x: at('x', 'x0'), x2: at('x', 'x1'), y: at('y', 'y0'), y2: at('y', 'y1')};
 
 function quantile(sorted, share) {
   const place = share * (sorted.length - 1), low = Math.floor(place);
@@ -67,78 +77,66 @@ function quantile(sorted, share) {
 }
 
 // Box plots after Tukey (1977): median, quartiles, whiskers to the farthest value within 1.5 interquartile ranges.
-function boxMarks(layer, data) {
-  const series = [...new Set(layer.boxes.map(box => box.series))];
-  const many = layer.boxes.reduce((sum, box) => sum + box.values.length, 0) > 1500;
-  const boxes = [], points = [], empty = [];
-  for (const box of layer.boxes) {
-    const sorted = box.values.filter(value => value > 0).sort((a, b) => a - b);
-    const base = {group: box.group, colour: box.colour, place: (series.indexOf(box.series) + 0.5) / series.length};
+function boxMarks(layer, table) {
+  const series = [...new Set(layer.boxes.map(box => box.series))], boxes = [], points = [], empty = [];
+  const many = layer.boxes.reduce((sum, box) => sum + box.values.length, 0) > 1500;  // then draw only those outside
+  for (const {group, series: name, colour, dash, values, texts} of layer.boxes) {
+    const base = {group, colour, dash, place: (series.indexOf(name) + 0.5) / series.length};
+    const sorted = values.filter(value => value > 0).sort((a, b) => a - b), title = name + (group ? ', ' + group : '');
     if (sorted.length === 0) {
-      empty.push({...base, text: `${box.series}: no values`});
+      empty.push({...base, text: title + ': no values'});
       continue;
     }
     const [q1, median, q3] = [0.25, 0.5, 0.75].map(share => quantile(sorted, share)), reach = 1.5 * (q3 - q1);
     const inside = sorted.filter(value => value >= q1 - reach && value <= q3 + reach);
     const low = Math.min(q1, inside[0]), high = Math.max(q3, inside[inside.length - 1]);
-    boxes.push({...base, q1, median, q3, low, high, text: `${box.series}${box.group ? ', ' + box.group : ''}: median ` +
-      `${shown(median)}, quartiles ${shown(q1)} to ${shown(q3)}, ${sorted.length} values ${shown(sorted[0])} to ` +
-      shown(sorted[sorted.length - 1])});
-    box.values.forEach((value, i) => {
-      if (!(value > 0) || (many && value >= low && value <= high)) return;
-      points.push({...base, value, shift: ((i * 0.618034) % 1 - 0.5) * 0.5,
-        text: `${box.series}, ${box.texts ? box.texts[i] : shown(value)}`});
+    boxes.push({...base, q1, median, q3, low, high, text: `${title}: median ${shown(median)}, quartiles ${shown(q1)} to ` +
+      `${shown(q3)}, ${sorted.length} values ${shown(sorted[0])} to ${shown(sorted[sorted.length - 1])}`});
+    values.forEach((value, i) => {
+      if (value > 0 && !(many && value >= low && value <= high))
+        points.push({...base, value, shift: ((i * 0.618034) % 1 - 0.5) * 0.5, text: `${name}, ${texts ? texts[i] : shown(value)}`});
     });
   }
-  const [boxName, pointName, emptyName] = data(boxes, points, empty);
-  const wide = `min(34, 0.8 * bandwidth('x') / ${series.length})`;
-  const middle = `scale('x', datum.group) + datum.place * bandwidth('x')`;
+  const wide = `min(34, 0.8 * bandwidth('x') / ${series.length})`, own = by('colour'), boxTable = table(boxes);
+  const middle = "scale('x', datum.group) + datum.place * bandwidth('x')";
+  const body = {xc: {signal: middle}, width: {signal: wide}, fill: own, ...tip};
   return [
-    {type: 'rule', from: {data: boxName}, encode: {update: {x: {signal: middle}, y: at('y', 'low'), y2: at('y', 'high'), stroke: {field: 'colour'}}}},
-    {type: 'rect', from: {data: boxName}, encode: {update: {xc: {signal: middle}, width: {signal: wide}, y: at('y', 'q1'), y2: at('y', 'q3'),
-      fill: {field: 'colour'}, fillOpacity: {value: 0.25}, stroke: {field: 'colour'}, ...tip}}},
-    {type: 'rect', from: {data: boxName}, encode: {update: {xc: {signal: middle}, width: {signal: wide}, y: {scale: 'y', field: 'median', offset: -1},
-      height: {value: 2.4}, fill: {field: 'colour'}, ...tip}}},
-    {type: 'symbol', from: {data: pointName}, encode: {update: {x: {signal: `${middle} + datum.shift * ${wide}`}, y: at('y', 'value'),
-      size: {value: 9}, fill: {field: 'colour'}, fillOpacity: {value: 0.7}, ...tip}}},
-    {type: 'text', from: {data: emptyName}, encode: {update: {x: {signal: middle}, y: {signal: 'height - 4'}, angle: {value: -90},
-      baseline: {value: 'middle'}, text: {value: 'none'}, fill: {field: 'colour'}, ...tip}}}];
+    mark('rule', boxTable, {x: {signal: middle}, y: at('y', 'low'), y2: at('y', 'high'), stroke: own}),
+    mark('rect', boxTable, {...body, y: at('y', 'q1'), y2: at('y', 'q3'), fillOpacity: is(0.25), stroke: own, strokeDash: by('dash')}),
+    mark('rect', boxTable, {...body, y: {...at('y', 'median'), offset: -1}, height: is(2.4)}),
+    mark('symbol', table(points), {x: {signal: `${middle} + datum.shift * ${wide}`}, y: at('y', 'value'), size: is(9), fill: own,
+      fillOpacity: is(0.7), ...tip}),
+    mark('text', table(empty), {x: {signal: middle}, y: {signal: 'height - 4'}, angle: is(-90), baseline: is('middle'),
+      text: is('none'), fill: own, ...tip})];
 }
 
-// Return the marks of a layer; `data` adds tables to the panel and returns their names.
-function marksOf(layer, data) {
-  const table = rows => data(rows)[0];
+// Return the marks of a layer; `table` adds rows to the panel and returns their name.
+function marksOf(layer, table) {
   switch (layer.type) {
     case 'line': {
-      const from = {data: table(xsOf(layer).map((x, i) => ({x, y: layer.y[i]})))};
-      const place = {x: at('x', 'x'), y: at('y', 'y')};
-      return [{type: 'line', from, encode: {update: {...place, ...styled(layer), defined: {signal: 'isValid(datum.y)'}}}},
-        ...(layer.marks ? [{type: 'symbol', from, encode: {update: {...place, size: {value: 40}, fill: {value: layer.colour}}}}] : [])];
+      const data = table(xsOf(layer).map((x, i) => ({x, y: layer.y[i]})));
+      const line = mark('line', data, {...xy, ...styled(layer), defined: {signal: 'isValid(datum.y)'}});
+      return layer.marks ? [line, mark('symbol', data, {...xy, size: is(40), fill: is(layer.colour)})] : [line];
     }
-    case 'band':
-      return [{type: 'area', from: {data: table(layer.x.map((x, i) => ({x, low: layer.low[i], high: layer.high[i]})))},
-        encode: {update: {x: at('x', 'x'), y: at('y', 'low'), y2: at('y', 'high'), fill: {value: layer.colour}, fillOpacity: {value: 0.22}}}}];
-    case 'level':
-      return [{type: 'rule', encode: {update: {x: {value: 0}, x2: {signal: 'width'}, y: {scale: 'y', value: layer.y}, ...styled(layer)}}}];
-    case 'mark':
-      return [{type: 'rule', encode: {update: {y: {value: 0}, y2: {signal: 'height'}, x: {scale: 'x', value: layer.x}, ...styled(layer)}}}];
+    case 'level': return [mark('rule', null, {x: is(0), x2: {signal: 'width'}, y: {scale: 'y', value: layer.y}, ...styled(layer)})];
+    case 'mark': return [mark('rule', null, {y: is(0), y2: {signal: 'height'}, x: {scale: 'x', value: layer.x}, ...styled(layer)})];
     case 'cells':
-      return [{type: 'rect', from: {data: table(layer.cells)}, encode: {update: {x: at('x', 'x0'), x2: at('x', 'x1'), y: at('y', 'y0'), y2: at('y', 'y1'),
-        fill: [{test: 'isValid(datum.colour)', field: 'colour'}, {test: 'isValid(datum.value)', scale: 'colour', field: 'value'}, {value: kNoValue}], ...tip}}}];
-    case 'points':
-      return [{type: 'symbol', from: {data: table(layer.x.map((x, i) => ({x, y: layer.y[i], text: layer.texts && layer.texts[i]})))},
-        encode: {update: {x: at('x', 'x'), y: at('y', 'y'), size: {value: layer.size || 30}, fill: {value: layer.colour}, ...tip}}}];
+      return [mark('rect', table(layer.cells), {...corners, ...tip, fill: [{test: 'isValid(datum.colour)', field: 'colour'},
+        {test: 'isValid(datum.value)', scale: 'colour', field: 'value'}, is(kNoValue)]})];
+    case 'points': {
+      const rows = layer.x.map((x, i) => ({x, y: layer.y[i], text: layer.texts && layer.texts[i]}));
+      return [mark('symbol', table(rows), {...xy, size: is(layer.size || 30), fill: is(layer.colour), ...tip})];
+    }
     case 'segments':
-      return [{type: 'rule', from: {data: table(layer.segments)}, encode: {update: {x: at('x', 'x0'), x2: at('x', 'x1'), y: at('y', 'y0'), y2: at('y', 'y1'),
-        stroke: {field: 'colour'}, strokeWidth: {field: 'width'}, strokeCap: {value: 'round'}}}}];
+      return [mark('rule', table(layer.segments), {...corners, stroke: by('colour'), strokeWidth: by('width'), strokeCap: is('round')})];
     case 'texts':
-      return [{type: 'text', from: {data: table(layer.texts)}, encode: {update: {x: at('x', 'x'), y: at('y', 'y'), dy: {value: -10},
-        align: {field: 'align'}, text: {field: 'text'}, fontSize: {value: 12}, fill: {value: kMuted}}}}];
-    case 'boxes': return boxMarks(layer, data);
+      return [mark('text', table(layer.texts), {...xy, dy: is(-10), align: by('align'), text: by('text'), fontSize: is(12),
+        fill: is(kMuted)})];
+    case 'boxes': return boxMarks(layer, table);
     case 'intervals': {
-      const from = {data: table(layer.rows)}, y = {scale: 'y', field: 'name', band: 0.5};
-      return [{type: 'rule', from, encode: {update: {x: at('x', 'low'), x2: at('x', 'high'), y, stroke: {field: 'colour'}, strokeWidth: {value: 3}, ...tip}}},
-        {type: 'symbol', from, encode: {update: {x: at('x', 'mean'), y, size: {value: 70}, fill: {field: 'colour'}, ...tip}}}];
+      const data = table(layer.rows), y = {scale: 'y', field: 'name', band: 0.5};
+      return [mark('rule', data, {x: at('x', 'low'), x2: at('x', 'high'), y, stroke: by('colour'), strokeWidth: is(3), ...tip}),
+        mark('symbol', data, {x: at('x', 'mean'), y, size: is(70), fill: by('colour'), ...tip})];
     }
     default: throw new Error('unknown layer ' + layer.type);
   }
@@ -147,22 +145,22 @@ function marksOf(layer, data) {
 // ---- panels --------------------------------------------------------------------------------------------------------
 
 function panelMark(panel, k, figure) {
-  const tables = [];
-  const data = (...lists) => lists.map(values => {
-    tables.push({name: `table${k}_${tables.length}`, values});
-    return tables[tables.length - 1].name;
-  });
-  const size = {width: {value: panel.width}, height: {value: panel.height}};
-  const marks = panel.layers.flatMap(layer => marksOf(layer, data));
+  const data = [];
+  const table = values => {
+    data.push({name: `table${k}_${data.length}`, values});
+    return data[data.length - 1].name;
+  };
+  const size = {width: is(panel.width), height: is(panel.height)}, marks = panel.layers.flatMap(layer => marksOf(layer, table));
   // Under the mouse this rectangle shows the values of all lines at one x, and a drag zooms in.
   if (panel.layers.some(layer => layer.type === 'line'))
-    marks.push({type: 'rect', name: `sheet${k}`, encode: {enter: {...size, fill: {value: 'transparent'}, tooltip: {value: {panel: k}}, cursor: {value: 'crosshair'}}}});
-  return {type: 'group', encode: {enter: {...size}}, data: tables,
-    ...(panel.title ? {title: {text: panel.title, fontWeight: 'normal', fontSize: 13, color: kInk, limit: panel.width, offset: 6}} : {}),
+    marks.push({...mark('rect', null, {...size, fill: is('transparent'), tooltip: is({panel: k}), cursor: is('crosshair')}), name: `sheet${k}`});
+  const title = {text: panel.title, frame: 'group', fontWeight: 'normal', fontSize: 13, color: kInk, limit: panel.width, offset: 6};
+  return {type: 'group', encode: {enter: size}, data, ...(panel.title ? {title} : {}),
     signals: [{name: 'width', value: panel.width}, {name: 'height', value: panel.height}],
     scales: [scaleOf('x', panel.x, `domain${k}`), scaleOf('y', panel.y, `heights${k}`)],
-    axes: [axisOf('x', panel.x, panel), axisOf('y', panel.y, panel)],
-    marks: [{type: 'group', clip: true, encode: {enter: {...size, stroke: {value: kMuted}}}, marks}]};
+    axes: ['x', 'y'].map(name => axisOf(name, panel[name], panel, domainOf(panel, name, figure))),
+    marks: [{type: 'group', clip: true, encode: {enter: size}, marks},
+      {...mark('rect', null, {...size, stroke: is(kMuted)}), interactive: false}]};
 }
 
 // A drag along x zooms in, a double click shows everything again.
@@ -184,24 +182,27 @@ function signalsOf(figure) {
 }
 
 function specOf(figure) {
-  const legend = figure.legend || [], scales = [], legends = [];
-  if (legend.length > 0) {
-    const names = legend.map(entry => entry.name), filled = legend.every(entry => entry.filled);
-    scales.push({name: 'names', type: 'ordinal', domain: names, range: legend.map(entry => entry.colour)},
-      {name: 'dashes', type: 'ordinal', domain: names, range: legend.map(entry => entry.dash || [])});
-    legends.push({...(filled ? {fill: 'names', symbolType: 'square'} : {stroke: 'names', strokeDash: 'dashes', symbolType: 'stroke', symbolSize: 400, symbolStrokeWidth: 2.5}),
-      orient: 'top', direction: 'horizontal', columns: Math.min(names.length, 3), labelLimit: 400, labelFontSize: 13});
+  const entries = figure.legend || [], scales = [], legends = [];
+  if (entries.length > 0) {
+    const domain = entries.map(entry => entry.name), dashes = entries.map(entry => entry.dash);
+    scales.push({name: 'names', type: 'ordinal', domain, range: entries.map(entry => entry.colour)},
+      {name: 'dashes', type: 'ordinal', domain, range: dashes});
+    const filled = {fill: 'names', symbolType: 'square', symbolSize: 150, symbolOpacity: dashes.some(dash => dash.length > 0) ? 0.5 : 1};
+    legends.push({stroke: 'names', strokeDash: 'dashes', orient: 'top', direction: 'horizontal', columns: Math.min(domain.length, 3),
+      labelLimit: 400, labelFontSize: 13,
+      ...(entries[0].filled ? filled : {symbolType: 'stroke', symbolSize: 400, symbolStrokeWidth: 2.5})});
   }
   if (figure.scale) {
     const {log, title, low, high} = figure.scale;
     scales.push({name: 'colour', type: log ? 'log' : 'linear', domain: [low, high], range: {scheme: 'viridis'}});
-    legends.push({fill: 'colour', type: 'gradient', title, orient: 'right', gradientLength: figure.panels[0].height, format: '~g', titleLimit: 300});
+    legends.push({fill: 'colour', type: 'gradient', title, orient: 'right', gradientLength: figure.panels[0].height, format: '~g',
+      titleLimit: 300});
   }
+  const plain = {labelFontSize: 12, titleFontSize: 13, titleFontWeight: 'normal'};
   return {description: figure.label, padding: 5, signals: signalsOf(figure), scales, legends,
-    layout: {columns: figure.columns || 1, padding: {row: figure.gap || 14, column: 18}, bounds: 'full', align: 'each'},
+    layout: {columns: figure.columns, padding: {row: 14, column: 18}, bounds: 'full', align: 'each'},
     marks: figure.panels.map((panel, k) => panelMark(panel, k, figure)),
-    config: {axis: {labelFontSize: 12, titleFontSize: 13, titleFontWeight: 'normal', labelColor: kMuted, titleColor: kInk, gridColor: kGrid, tickColor: kMuted},
-      legend: {titleFontWeight: 'normal', titleFontSize: 13, labelFontSize: 12}, text: {font: 'sans-serif'}}};
+    config: {axis: {...plain, labelColor: kMuted, titleColor: kInk, gridColor: kGrid, tickColor: kMuted}, legend: plain}};
 }
 
 // ---- the page ------------------------------------------------------------------------------------------------------
@@ -262,7 +263,8 @@ function save(name, url) {
 }
 
 function addExports(element, name) {
-  const source = () => 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(new XMLSerializer().serializeToString(element.querySelector('svg')));
+  const text = () => new XMLSerializer().serializeToString(element.querySelector('svg'));
+  const source = () => 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(text());
   const button = (label, act) => {
     const made = document.createElement('button');
     made.textContent = label;

@@ -18,7 +18,6 @@
 #include "enamel/study/controllers.hpp"
 #include "enamel/study/parallel.hpp"
 #include "program/plugin_folder.hpp"
-#include "study/hash.hpp"
 
 namespace enamel::app {
 namespace {
@@ -139,6 +138,12 @@ std::vector<double> valuesFor(const std::string& path, const std::string& rival,
   throw Error(fmt::format("{}: has no values of {} for a delay of {} to {} ticks", path, rival, delay.low, delay.high));
 }
 
+std::string checksumOfValues(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) text += fmt::format("{} ", value);
+  return checksumOf(text);
+}
+
 // Makes the renderer of a column for a query point.
 using Make = std::function<std::unique_ptr<Renderer>(std::size_t point)>;
 
@@ -163,7 +168,7 @@ Make rival(const Study& study, const std::string& column, ColumnRecords& records
   const PushSetup& setup = study.plan.setup;
   const ControllerSpec& spec = rivalSpec(column.substr(std::strlen(kTuned)));
   const std::vector<double> values = valuesFor(options.tuned, spec.name, setup.delay);
-  records.servos[column] = hashOf(values);
+  records.servos[column] = checksumOfValues(values);
   return [make = spec.with({study.design, setup.period, setup.delay}, values)](std::size_t) { return make(); };
 }
 
@@ -189,7 +194,9 @@ Make hold(const Study& study, std::size_t c, ColumnRecords& records) {
     });
   else
     gains[0] = file.empty() ? ServoGain(study.home->K) : loadGain(file, study.mechanism->joints(), period);
-  records.servos[plan.columns[c].name] = hashOf(gains);
+  std::vector<double> entries;
+  for (const ServoGain& gain : gains) entries.insert(entries.end(), gain.data(), gain.data() + gain.size());
+  records.servos[plan.columns[c].name] = checksumOfValues(entries);
   HoldOptions servo;
   servo.release = study.options.release;
   return [gains = std::move(gains), period, servo](std::size_t point) {

@@ -23,6 +23,5 @@ Figure torqueFigure(const Study& study);
 Figure stiffnessBoxes(const Study& study, const Findings& findings);
 Figure firstImpactMap(const Study& study, const Findings& findings);
 Figure steadyMap(const Study& study, const Findings& findings, int scenario);
-Figure alongYFigure(const Study& study, const Findings& findings);
 
 }  // namespace enamel::app

@@ -42,19 +42,21 @@ Figure stabilityFigure(const Study& study) {
   std::vector<std::string> stiffest;
   for (int delay = 0; delay < kDelays; ++delay) {
     Json cells = Json::array();
-    std::size_t i = 0;
     double most = 0.0;  // kN/m
-    for (const WallStability& w : map) {
-      if (w.wall.delay != delay) continue;
-      const std::size_t k = i % (ks.size() - 1), b = i / (ks.size() - 1);
-      ++i;
-      if (w.stable) most = std::max(most, 1e-3 * w.wall.stiffness);
-      const Json ends = numbers({ks[k], ks[k + 1], bs[b], bs[b + 1]});
+    const std::size_t columns = ks.size() - 1;
+    std::vector<const WallStability*> walls;
+    for (const WallStability& w : map)
+      if (w.wall.delay == delay) walls.push_back(&w);
+    for (std::size_t from = 0, to = 0; from < walls.size(); from = to) {  // equal cells of a row are one box
+      const std::size_t row = from / columns;
+      while (to < walls.size() && to / columns == row && walls[to]->stable == walls[from]->stable) ++to;
+      if (walls[from]->stable) most = std::max(most, 1e-3 * walls[to - 1]->wall.stiffness);
+      const Json ends = numbers({ks[from % columns], ks[(to - 1) % columns + 1], bs[row], bs[row + 1]});
       cells.push_back({{"x0", ends[0]},
                        {"x1", ends[1]},
                        {"y0", ends[2]},
                        {"y1", ends[3]},
-                       {"colour", colourText(w.stable ? kStable : kUnstable)}});
+                       {"colour", colourText(walls[from]->stable ? kStable : kUnstable)}});
     }
     stiffest.push_back(most > 0.0 ? numberText(most, 2) : "none");
     Json x = axis("rendered stiffness K (kN/m)", ks.front(), ks.back(), true),
@@ -150,7 +152,6 @@ std::vector<Figure> figuresOf(const Study& study, const Findings& findings) {
     figures.push_back(deviceFigure(study));
     for (const int scenario : scenarios) figures.push_back(responseFigure(study, scenario));
     if (hasStep) figures.push_back(firstImpactMap(study, findings));
-    if (study.plan.grid > 1) figures.push_back(alongYFigure(study, findings));
     if (study.column(ColumnKind::hold) < study.plan.columns.size()) figures.push_back(torqueFigure(study));
     for (const int scenario : scenarios) figures.push_back(steadyMap(study, findings, scenario));
     if (wallDeviceOf(study).damping > 0.0) figures.push_back(stabilityFigure(study));

@@ -8,7 +8,6 @@
 #include "study/convergence.hpp"
 #include "study/plot.hpp"
 #include "study/study.hpp"
-#include "study/survey.hpp"
 
 namespace enamel::app {
 
@@ -18,7 +17,6 @@ struct Findings {
   std::vector<WallSummary> walls;
   std::vector<PairedComparison> pairs;  ///< reportQuestions() of referenceOf() and each other column
   std::vector<Claim> claims;
-  Survey survey;
   std::optional<Convergence> convergence;
   bool whole = true;  ///< false: only the convergence
 };

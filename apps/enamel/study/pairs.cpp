@@ -65,7 +65,7 @@ std::string verdictText(PairedVerdict verdict) {
   return verdict == PairedVerdict::better ? "better" : verdict == PairedVerdict::worse ? "worse" : "not decided";
 }
 
-std::string pText(double p) { return std::isnan(p) ? "–" : p < 1e-4 ? "&lt; 0.0001" : fmt::format("{:.4f}", p); }
+std::string pText(double p) { return std::isnan(p) ? "–" : p < 1e-4 ? "&lt;\u00a00.0001" : fmt::format("{:.4f}", p); }
 
 std::string stiffnessSentence(const Study& study, const PairedComparison& c) {
   const std::string a = titleOf(study, c.a), b = titleOf(study, c.b),
@@ -99,14 +99,19 @@ void addPairs(Page& page, const Study& study, const std::vector<PairedComparison
   std::vector<std::vector<std::string>> rows;
   for (const PairedComparison& c : pairs) {
     const Metric& metric = metricOf(c);
-    rows.push_back({fmt::format("{}, scenario {} <small>{}</small>", metric.symbol, c.question.scenario,
-                                c.question.moreIsBetter ? "more is better" : "less is better"),
-                    titleOf(study, c.b), amountText(c) + (c.question.isRatio ? " times" : ""), pText(c.wallAdjusted),
-                    numberText(c.wall.effect, 2),
-                    std::isfinite(c.largerShare) ? numberText(100.0 * c.largerShare) + " %" : "–",
-                    fmt::format("{} / {} / {}", c.count(PairedVerdict::better), c.count(PairedVerdict::worse),
-                                c.count(PairedVerdict::undecided)),
-                    verdictText(c.verdict)});
+    const std::string amount = amountText(c);
+    std::vector<std::string> row{fmt::format("{}, scenario {} <small>{}</small>", metric.symbol, c.question.scenario,
+                                             c.question.moreIsBetter ? "more is better" : "less is better"),
+                                 titleOf(study, c.b), amount + (c.question.isRatio && amount != "–" ? " times" : "")};
+    if (amount.rfind("0 ", 0) == 0 || amount == "–")  // rounding errors, or nothing to compare
+      row.insert(row.end(), {"–", "–", "–", "–", amount == "–" ? "not decided" : "no difference"});
+    else
+      row.insert(row.end(),
+                 {pText(c.wallAdjusted), numberText(c.wall.effect, 2), numberText(100.0 * c.largerShare) + " %",
+                  fmt::format("{} / {} / {}", c.count(PairedVerdict::better), c.count(PairedVerdict::worse),
+                              c.count(PairedVerdict::undecided)),
+                  verdictText(c.verdict)});
+    rows.push_back(row);
   }
   page.table({titleOf(study, pairs.front().a), "against", "ratio or difference, 95 %", "p, Holm", "d_z", "larger in",
               "points: better / worse / not decided", "verdict"},
@@ -122,9 +127,11 @@ std::string assumptionsOf(const Study& study) {
       damping += fmt::format("{}{} N s/m of damping for {}", damping.empty() ? "; the device has " : ", ",
                              givenText(label.damping), escape(label.title));
   return fmt::format(
-      "All results are from simulation of {}; no hardware was involved. The delay is {}. Joint angles are {}. The "
+      "All results are from simulation of {}; no hardware was involved. There is {} of the commands. Joint angles are "
+      "{}. The "
       "person pushes with {} to {} N and noise of {} N{}.",
-      plantTitle(options.plant), delayText(options.delay),
+      plantTitle(options.plant),
+      parseDelay(options.delay).high > 0 ? "a delay of " + delayText(options.delay) : "no delay",
       setup.encoders.quantised ? "rounded to the steps of the encoders" : "known exactly",
       givenText(study.plan.lowestForce), givenText(study.plan.highestForce), givenText(setup.hand.noise), damping);
 }

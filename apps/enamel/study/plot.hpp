@@ -33,6 +33,16 @@ Json line(const std::string& name, Json x, const std::vector<double>& y, const S
 /// Return a horizontal line.
 Json level(double y, const Style& style);
 
+/// Return boxes of one group and series from its values; "texts", if set, has one text for each value.
+Json boxOf(const std::string& group, const std::string& series, const Style& style, const std::vector<double>& values);
+
+/// Return a rectangle of a layer "cells"; add "colour" or "value", and "text" for the mouse.
+Json rectangle(double x0, double x1, double y0, double y1);
+
+/// Return a panel of layers, with its size in pixels; and a figure of panels in columns.
+Json panel(const std::string& title, double width, double height, Json x, Json y, Json layers);
+Json figure(const std::string& label, int columns, Json legend, Json panels);
+
 /// Return an entry of a legend: a line, or a filled square.
 Json entry(const std::string& name, const Style& style, bool filled = false);
 

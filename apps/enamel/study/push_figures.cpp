@@ -63,7 +63,7 @@ Responses responsesAt(const Study& study, int scenario, std::size_t point) {
 
 Json panelOf(const std::string& title, int height, const Json& time, const Json& y, Json layers) {
   layers.push_back(level(0.0, dashed(viewer::kMuted)));
-  return {{"title", title}, {"width", kWide}, {"height", height}, {"x", time}, {"y", y}, {"layers", layers}};
+  return panel(title, kWide, height, time, y, layers);
 }
 
 const Curve& stillestOf(const std::vector<Curve>& depths) {
@@ -95,13 +95,9 @@ struct Drawing {
   void rod(const Vec3& from, const Vec3& to, unsigned colour, double width) {
     for (int view = 0; view < 2; ++view) {
       const int across = view == 0 ? 0 : 2;
-      const Json ends = numbers({1e3 * from[across], 1e3 * to[across], 1e3 * from.y(), 1e3 * to.y()});
-      segments[view].push_back({{"x0", ends[0]},
-                                {"x1", ends[1]},
-                                {"y0", ends[2]},
-                                {"y1", ends[3]},
-                                {"colour", colourText(colour)},
-                                {"width", width}});
+      segments[view].push_back(rectangle(1e3 * from[across], 1e3 * to[across], 1e3 * from.y(), 1e3 * to.y()));
+      segments[view].back()["colour"] = colourText(colour);
+      segments[view].back()["width"] = width;
     }
   }
   void joint(const Vec3& at) {
@@ -169,43 +165,32 @@ Figure deviceFigure(const Study& study) {
                 {"colour", colourText(viewer::kInk)},
                 {"size", 50}};
   };
-  const Json wall{
-      {"type", "cells"},
-      {"cells", {{{"x0", -edge}, {"x1", edge}, {"y0", -edge}, {"y1", edge}, {"colour", colourText(viewer::kEnamel)}}}}},
-      side{{"type", "segments"},
-           {"segments",
-            {{{"x0", 0},
-              {"x1", 0},
-              {"y0", -edge},
-              {"y1", edge},
-              {"colour", colourText(viewer::kEnamelEdge)},
-              {"width", 3}}}}},
-      points{{"type", "points"},
-             {"x", numbers(xs)},
-             {"y", numbers(ys)},
-             {"texts", names},
-             {"colour", colourText(viewer::kVermilion)},
-             {"size", std::min(16.0, 700.0 / study.plan.grid)}};
-  const auto panel = [&](const char* title, int across, const char* name, Json layers, int view) {
-    layers.push_back({{"type", "segments"}, {"segments", drawing.segments[view]}});
+  Json wall = rectangle(-edge, edge, -edge, edge), side = rectangle(0.0, 0.0, -edge, edge);
+  wall["colour"] = colourText(viewer::kEnamel);
+  side["colour"] = colourText(viewer::kEnamelEdge);
+  side["width"] = 3;
+  const Json points{{"type", "points"},
+                    {"x", numbers(xs)},
+                    {"y", numbers(ys)},
+                    {"texts", names},
+                    {"colour", colourText(viewer::kVermilion)},
+                    {"size", std::min(16.0, 700.0 / study.plan.grid)}};
+  const auto view = [&](const char* title, const char* name, Json layers, int i) {
+    const int across = i == 0 ? 0 : 2;
+    layers.push_back({{"type", "segments"}, {"segments", drawing.segments[i]}});
     layers.push_back(joints(across));
-    if (view == 0) layers.push_back(points);
-    layers.push_back({{"type", "texts"}, {"texts", drawing.texts[view]}});
+    if (i == 0) layers.push_back(points);
+    layers.push_back({{"type", "texts"}, {"texts", drawing.texts[i]}});
     Json y = axis("y (mm)", low.y(), high.y());
-    y["numbers"] = view == 0;
-    return Json{{"title", title},
-                {"width", std::round(scale * size[across])},
-                {"height", std::round(scale * size.y())},
-                {"x", axis(name, low[across], high[across])},
-                {"y", y},
-                {"layers", layers}};
+    y["numbers"] = i == 0;
+    return panel(title, std::round(scale * size[across]), std::round(scale * size.y()),
+                 axis(name, low[across], high[across]), y, layers);
   };
-  return {"fig06-device",
-          {{"label", "the device and the query points"},
-           {"columns", 2},
-           {"panels",
-            {panel("facing the wall", 0, "x (mm)", Json::array({wall}), 0),
-             panel("from the side", 2, "z (mm)", Json::array({side}), 1)}}},
+  const Json front = view("facing the wall", "x (mm)",
+                          Json::array({{{"type", "cells"}, {"cells", Json::array({wall})}}}), 0),
+             aside = view("from the side", "z (mm)",
+                          Json::array({{{"type", "segments"}, {"segments", Json::array({side})}}}), 1);
+  return {"fig06-device", figure("the device and the query points", 2, Json::array(), {front, aside}),
           fmt::format("The device at home, to scale, and the {} query points (red) on the wall z = 0 (yellowish; after "
                       "the paper's Fig. 6). Dark: the first link of each chain with its motors' joints q; light: the "
                       "second; green: the tool's handle. In the view from the side, the person pushes the tool to the "
@@ -235,7 +220,7 @@ Figure responseFigure(const Study& study, int scenario) {
   panels.push_back(closeUp(step, r, plan.setup.duration));
   return {
       fmt::format("fig0{}-response-{}", step ? 8 : 9, scenario),
-      {{"label", fmt::format("responses in scenario {}", scenario)}, {"legend", legendOf(study)}, {"panels", panels}},
+      figure(fmt::format("responses in scenario {}", scenario), 1, legendOf(study), panels),
       fmt::format("Scenario {}: one typical run at {} mm with F_c = {:.1f} N (after the paper's Fig. {}). Top: the "
                   "person's force into the wall. Below: the position of the tool with each renderer, on one scale; the "
                   "wall is dashed, its inside is below. Bottom: {}. Largest depths: {}.",
@@ -271,14 +256,9 @@ Figure torqueFigure(const Study& study) {
     legend.push_back(entry(torque.title, torque.style));
   }
   return {"fig11-torque",
-          {{"label", "torque at two query points"},
-           {"legend", legend},
-           {"panels",
-            {{{"width", kWide},
-              {"height", 270},
-              {"x", axis("time (s)", kFrom, kTo)},
-              {"y", axis(fmt::format("torque of joint {} (N m)", last + 1))},
-              {"layers", layers}}}}},
+          figure("torque at two query points", 1, legend,
+                 Json::array({panel("", kWide, 270, axis("time (s)", kFrom, kTo),
+                                    axis(fmt::format("torque of joint {} (N m)", last + 1)), layers)})),
           fmt::format(
               "Torque of joint {} under a step of {:.0f} N at 1 s with {}, at two query points with the same noise "
               "(after the paper's Fig. 11). The figure shows at which point the torque is larger. The motor's limit is "

@@ -279,7 +279,6 @@ void runStudy(StudyOptions options) {
     findings.walls = summarise(study.plan, findings.points);
     findings.pairs = comparePairs(study.plan, runs, referenceOf(study), reportQuestions());
     findings.claims = claimsOf(study, runs, findings.walls);
-    findings.survey = surveyWall(study);
     writeFile(study.path("points.csv"), pointsTable(study, findings.points));
     writeFile(study.path("summary.json"), summaryOf(study, findings.walls, findings.claims));
     printSummary(study, findings.walls, findings.claims);

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "enamel/runtime/recording.hpp"
 #include "study/page.hpp"
 
 namespace enamel::app {
@@ -22,6 +23,8 @@ std::string pointText(const Study& study, std::size_t point) {
   const Vec3 p = 1e3 * queryPoint(study.plan, point);
   return fmt::format("({:.4g}, {:.4g})", p.x(), p.y());
 }
+
+std::string checksumOf(const std::string& text) { return fmt::format("{:08x}", crc32(text)); }
 
 std::string plantTitle(const std::string& plant) {
   static const std::map<std::string, std::string> titles = {{kClosedForm, "the ideal device"},

@@ -74,6 +74,9 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
 /// Format a query point in mm: "(-25, 10)".
 std::string pointText(const Study& study, std::size_t point);
 
+/// Return the CRC-32 of a text as eight hexadecimal digits, as common tools show it.
+std::string checksumOf(const std::string& text);
+
 /// Return the title of a plant; HTML.
 std::string plantTitle(const std::string& plant);
 

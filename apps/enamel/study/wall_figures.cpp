@@ -43,30 +43,20 @@ Figure mapFigure(const Study& study, const Map& map, const std::string& name, co
     Json cells = Json::array();
     for (std::size_t p = 0; p < study.plan.points(); ++p) {
       const Vec3 at = 1e3 * (queryPoint(study.plan, p) - study.plan.middle);
-      cells.push_back({{"x0", at.x() - step},
-                       {"x1", at.x() + step},
-                       {"y0", at.y() - step},
-                       {"y1", at.y() + step},
-                       {"value", numbers({map.values[c][p]})[0]},
-                       {"text", pointText(study, p) + " mm: " + map.texts[c][p]}});
+      cells.push_back(rectangle(at.x() - step, at.x() + step, at.y() - step, at.y() + step));
+      cells.back()["value"] = numbers({map.values[c][p]})[0];
+      cells.back()["text"] = pointText(study, p) + " mm: " + map.texts[c][p];
     }
     Json x = axis("x (mm)", -edge, edge), y = axis("y (mm)", -edge, edge);
     y["numbers"] = c % static_cast<std::size_t>(columns) == 0;
-    panels.push_back({{"title", study.labels[c].title},
-                      {"width", 210},
-                      {"height", 210},
-                      {"grid", false},
-                      {"x", x},
-                      {"y", y},
-                      {"layers", {{{"type", "cells"}, {"cells", cells}}}}});
+    panels.push_back(
+        panel(study.labels[c].title, 210, 210, x, y, Json::array({{{"type", "cells"}, {"cells", cells}}})));
+    panels.back()["grid"] = false;
   }
   const double least = low <= high ? low : 0.0, most = low < high ? high : least + 1.0;
-  return {name,
-          {{"label", title},
-           {"columns", columns},
-           {"panels", panels},
-           {"scale", {{"title", title}, {"log", logarithmic}, {"low", least}, {"high", most}}}},
-          caption};
+  Json plot = figure(title, columns, Json::array(), panels);
+  plot["scale"] = axis(title, least, most, logarithmic);
+  return {name, plot, caption};
 }
 
 // Return the statistics of a column's points in their order.
@@ -75,76 +65,6 @@ std::vector<const PointStatistics*> pointsOf(const Findings& findings, int scena
   for (const PointStatistics& p : findings.points)
     if (p.scenario == scenario && p.column == column) points.push_back(&p);
   return points;
-}
-
-// ---- along y --------------------------------------------------------------------------------------------------------
-
-// Mean, lowest and highest value over x at each y.
-struct Row {
-  std::string name;
-  Style style;
-  std::vector<double> means, lows, highs;
-};
-
-Row rowOf(const Study& study, const std::vector<double>& values) {
-  const auto side = static_cast<std::size_t>(study.plan.grid);
-  Row row;
-  row.means = rowMeans(study, values);
-  for (std::size_t i = 0; i < side; ++i) {
-    const auto [low, high] = std::minmax_element(values.begin() + static_cast<std::ptrdiff_t>(i * side),
-                                                 values.begin() + static_cast<std::ptrdiff_t>((i + 1) * side));
-    row.lows.push_back(*low);
-    row.highs.push_back(*high);
-  }
-  return row;
-}
-
-// Return K_z1 of every renderer, in % deviation from its mean.
-std::vector<Row> stiffnessRows(const Study& study, const Findings& findings) {
-  std::vector<Row> rows;
-  for (std::size_t c = 0; c < study.labels.size(); ++c) {
-    std::vector<double> k = over(findings.survey[c], [](const SurveyPoint& p) { return p.stiffness; });
-    const double mean = spreadOf(k).mean;
-    for (double& v : k) v = 100.0 * (v / mean - 1.0);
-    rows.push_back(rowOf(study, k));
-    rows.back().name = study.labels[c].title;
-    rows.back().style = study.labels[c].style;
-  }
-  return rows;
-}
-
-// Return the largest torque of every joint. Joints with equal torques, such as mirror images, share a row.
-std::vector<Row> torqueRows(const Study& study, const std::vector<SurveyPoint>& points) {
-  constexpr unsigned kColours[] = {viewer::kInk, viewer::kOrange, viewer::kSky, viewer::kPurple};
-  std::vector<Row> rows;
-  for (int joint = 0; joint < study.mechanism->joints(); ++joint) {
-    const Row row = rowOf(study, over(points, [&](const SurveyPoint& p) { return p.peak[joint]; }));
-    const auto alike = std::find_if(rows.begin(), rows.end(), [&](const Row& other) {
-      return std::equal(row.means.begin(), row.means.end(), other.means.begin(),
-                        [](double a, double b) { return std::abs(a - b) <= 0.005 * std::abs(b); });
-    });
-    if (alike != rows.end()) {
-      alike->name += fmt::format(", q_{}", joint + 1);
-      continue;
-    }
-    rows.push_back(row);
-    rows.back().name = fmt::format("q_{}", joint + 1);
-    rows.back().style = {kColours[(rows.size() - 1) % 4], {}, 2.0};
-    if (rows.size() > 4) rows.back().style.dash = {6, 4};
-  }
-  return rows;
-}
-
-Json layersOf(const std::vector<Row>& rows, const std::vector<double>& ys) {
-  Json layers = Json::array();
-  for (const Row& row : rows)
-    layers.push_back({{"type", "band"},
-                      {"x", numbers(ys)},
-                      {"low", numbers(row.lows)},
-                      {"high", numbers(row.highs)},
-                      {"colour", colourText(row.style.colour)}});
-  for (const Row& row : rows) layers.push_back(line(row.name, numbers(ys), row.means, row.style));
-  return layers;
 }
 
 }  // namespace
@@ -168,23 +88,16 @@ Figure stiffnessBoxes(const Study& study, const Findings& findings) {
         values.push_back(1e-3 * s.mean);
         texts.push_back(fmt::format("{} mm: {} kN/m", pointText(study, p->point), meanText(s, 1e-3)));
       }
-      boxes.push_back({{"group", ""},
-                       {"series", study.labels[c].title},
-                       {"colour", colourText(study.labels[c].style.colour)},
-                       {"dash", study.labels[c].style.dash},
-                       {"values", numbers(values)},
-                       {"texts", texts}});
+      boxes.push_back(boxOf("", study.labels[c].title, study.labels[c].style, values));
+      boxes.back()["texts"] = texts;
     }
-    panels.push_back({{"title", scenario == 1 ? "a sudden push (scenario 1)" : "a hand that presses (scenario 2)"},
-                      {"width", 340},
-                      {"height", 240},
-                      {"x", {{"names", {""}}}},
-                      {"y", axis(scenario == 1 ? "stiffness K_d (kN/m)" : "F_c / rms depth (kN/m)", true)},
-                      {"layers", {{{"type", "boxes"}, {"boxes", boxes}}}}});
+    panels.push_back(panel(scenario == 1 ? "a sudden push (scenario 1)" : "a hand that presses (scenario 2)", 340, 190,
+                           {{"names", Json::array({""})}},
+                           axis(scenario == 1 ? "stiffness K_d (kN/m)" : "F_c / rms depth (kN/m)", true),
+                           Json::array({{{"type", "boxes"}, {"boxes", boxes}}})));
   }
   return {
-      "stiffness",
-      {{"label", "stiffness over the wall"}, {"columns", 2}, {"legend", legendOf(study, true)}, {"panels", panels}},
+      "stiffness", figure("stiffness over the wall", 2, legendOf(study, true), panels),
       fmt::format("Stiffness at the {} query points, in simulation; higher is better. Each dot is the mean of the {} "
                   "runs at one point, a box has the quartiles and the median of the points.",
                   study.plan.points(), study.plan.runs)};
@@ -248,37 +161,6 @@ Figure steadyMap(const Study& study, const Findings& findings, int scenario) {
                                                "is below two standard errors, so the stiffness may be infinite.",
                                                unresolved, study.labels.size() * study.plan.points())
                                  : ""));
-}
-
-Figure alongYFigure(const Study& study, const Findings& findings) {
-  const auto side = static_cast<std::size_t>(study.plan.grid);
-  std::vector<double> ys;
-  for (std::size_t i = 0; i < side; ++i) ys.push_back(1e3 * queryPoint(study.plan, i * side).y());
-  const std::vector<Row> stiffness = stiffnessRows(study, findings);
-  const std::size_t hold = study.column(ColumnKind::hold), shown = hold < study.labels.size() ? hold : 0;
-  const std::vector<Row> torque = torqueRows(study, findings.survey[shown]);
-  Json legend = legendOf(study);
-  for (const Row& row : torque) legend.push_back(entry(row.name, row.style));
-  const Json y = axis("y (mm)", -edgeOf(study), edgeOf(study));
-  const auto panel = [&](const char* title, Json vertical, const Json& layers) {
-    return Json{{"title", title}, {"width", 330}, {"height", 270}, {"x", y}, {"y", vertical}, {"layers", layers}};
-  };
-  double most = 0.0;
-  for (const Row& row : torque) most = std::max(most, rangeOf({row.highs}).second);
-  return {
-      "along-y",
-      {{"label", "stiffness and torque along y"},
-       {"columns", 2},
-       {"legend", legend},
-       {"panels",
-        {panel("K_z1", axis("from its mean (%)"), layersOf(stiffness, ys)),
-         panel("largest torque", axis("torque (N m)", 0.0, 1.08 * most), layersOf(torque, ys))}}},
-      fmt::format("Pushes without noise. Lines are means over x; bands are the range over x (without noise there is "
-                  "one result and so no interval). Left: K_z1 for {:.0f} N along y, relative to each renderer's mean. "
-                  "Right: largest torque of each joint for {:.0f} N with {}; the motors' limit is {} N m. The figure "
-                  "shows how the stiffness changes along y and how far the motors stay below their limit.",
-                  kSurveyForce, kHardForce, escape(study.labels[shown].title),
-                  givenText(study.mechanism->limits().effort.minCoeff()))};
 }
 
 }  // namespace enamel::app
