@@ -23,6 +23,7 @@ for (const kind of ['error', 'warn']) console[kind] = (...said) => problems.push
 
 // Moves the mouse over figures, drags over a plot, and follows the links to data.
 const char* const kProbe = R"(<script>//<![CDATA[
+(() => {
 const results = {hovers: {}, data: {}, figures: {}};
 const tip = () => document.querySelector('.tooltip').style.display === 'block' ? document.querySelector('.tooltip').textContent : '';
 function act(type, element, share) {
@@ -58,6 +59,7 @@ async function probe() {
   document.body.dataset.probe = btoa(unescape(encodeURIComponent(JSON.stringify(results))));
 }
 probe().catch(error => { document.body.dataset.probe = btoa(JSON.stringify({problems: [String(error)]})); });
+})();
 //]]></script></body>)";
 
 std::string decoded(const std::string& base64) {

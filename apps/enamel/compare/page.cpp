@@ -84,13 +84,21 @@ void addBoxes(Page& page, const std::vector<const Condition*>& conditions, const
   const Json stiffness = boxPanel(conditions, all, "K_d (kN/m)", &RendererScore::depthStiffness, 1e-3);
   Json depth = boxPanel(conditions, all, "largest penetration (mm)", &RendererScore::depth, 1e3);
   depth["layers"].push_back(level(1e3 * kTooDeep, dashed(viewer::kInk)));
-  page.figure("stiffness-" + any.plant, figure("stiffness", 1, legend, Json::array({stiffness})),
-              fmt::format("Stiffness K_d of the runs of scenario 1 on {}: higher is better. Boxes: median and quartiles.",
-                          where));
-  page.figure("depth-" + any.plant, figure("largest penetration", 1, legend, Json::array({depth})),
-              fmt::format("Largest penetration of a run on {}, scenario 1 (as in the paper's Fig. 15): lower is better. "
-                          "Dashed: the limit of Table II, 1 mm.",
-                          where));
+  page.figure(
+      "stiffness-" + any.plant, figure("stiffness", 1, legend, Json::array({stiffness})),
+      fmt::format("Stiffness K_d of the runs of scenario 1 on {}: higher is better. Boxes: median and quartiles.",
+                  where));
+  page.figure(
+      "depth-" + any.plant, figure("largest penetration", 1, legend, Json::array({depth})),
+      fmt::format("Largest penetration of a run on {}, scenario 1 (as in the paper's Fig. 15): lower is better. "
+                  "Dashed: the limit of Table II, 1 mm.",
+                  where));
+}
+
+std::string verdictOf(const Condition& c, const PairedComparison& k) {
+  const StudyPlan& plan = c.study.plan;
+  const bool isLost = static_cast<std::size_t>(k.lostB) == plan.points() * static_cast<std::size_t>(plan.runs);
+  return isLost && k.lostA < k.lostB ? "the rival loses every run" : verdictText(k.verdict);
 }
 
 // Add the paired comparisons of a plant: a row for each rival and delay.
@@ -107,7 +115,7 @@ void addTests(Page& page, const std::vector<const Condition*>& conditions) {
                       numberText(k.wall.effect, 2),
                       fmt::format("{} / {} / {}", k.count(PairedVerdict::better), k.count(PairedVerdict::worse),
                                   k.count(PairedVerdict::undecided)),
-                      timesText(depth->wall), fmt::format("{} / {}", k.lostA, k.lostB), verdictText(k.verdict)});
+                      timesText(depth->wall), fmt::format("{} / {}", k.lostA, k.lostB), verdictOf(*c, k)});
       if (!std::isfinite(k.wall.half)) continue;
       names.push_back(c->title(k.b) + ", " + delayText(c->delay));
       const Json ends =
@@ -126,11 +134,11 @@ void addTests(Page& page, const std::vector<const Condition*>& conditions) {
   if (!intervals.empty())
     page.figure(
         "pairs-" + conditions.front()->plant,
-                figure("paired ratios of stiffness", 1, Json::array(),
-                       Json::array({panel("", 480, 20.0 * static_cast<double>(names.size()) + 10.0,
-                                          axis("K_d over that of the rival", true), {{"names", names}},
-                                          {{{"type", "intervals"}, {"rows", intervals}},
-                                           {{"type", "mark"}, {"x", 1.0}, {"dash", {6, 4}}, {"width", 1}}})})),
+        figure("paired ratios of stiffness", 1, Json::array(),
+               Json::array({panel("", 480, 20.0 * static_cast<double>(names.size()) + 10.0,
+                                  axis("K_d over that of the rival", true), {{"names", names}},
+                                  {{{"type", "intervals"}, {"rows", intervals}},
+                                   {{"type", "mark"}, {"x", 1.0}, {"dash", {6, 4}}, {"width", 1}}})})),
         fmt::format("K_d of {} divided by that of each rival on {}, in pairs of runs with the same random numbers, "
                     "with 95 % intervals. Right of the dashed line {} is stiffer.",
                     reference, plant, reference));
@@ -260,7 +268,7 @@ std::string sentenceOf(const std::vector<const Condition*>& conditions) {
         "({} "
         "delay{}{}).",
         fmt::format(compared == 1 ? "{:.2g}" : "{:.2g} to {:.2g}", least, most), compared, compared == 1 ? "" : "s",
-        open > 0 ? fmt::format(", {} of them not decided", open) : ", every 95 % interval excludes 1");
+        open > 0 ? fmt::format("; not decided at {}", open) : "; no 95 % interval contains 1");
   if (lost > 0) text += fmt::format(" Position control loses {} of {} runs.", lost, runs);
   return text;
 }
@@ -271,15 +279,22 @@ namespace {
 void addSummary(Page& page, const CompareOptions& options, const std::vector<Condition>& conditions) {
   std::vector<std::string> items;
   for (const std::string& plant : options.plants) items.push_back(sentenceOf(onPlant(conditions, plant)));
-  std::string open;
+  std::vector<std::string> others;
   for (const Condition& c : conditions)
     for (const PairedComparison& k : c.pairs)
       if (isStiffness(k.question) && k.verdict != PairedVerdict::better)
-        open += fmt::format("{}{} on {}, {}: {}", open.empty() ? "" : "; ", escape(c.title(k.b)), plantTitle(c.plant),
-                            delayText(c.delay), verdictText(k.verdict));
+        others.push_back(fmt::format("{} on {}, {} ({})", escape(c.title(k.b)), plantTitle(c.plant), delayText(c.delay),
+                                     verdictOf(c, k)));
   if (!conditions.front().pairs.empty())
-    items.push_back("Where " + escape(conditions.front().title(conditions.front().pairs.front().a)) +
-                    " is not found stiffer than a rival: " + (open.empty() ? "nowhere" : open) + ".");
+    items.push_back("Rivals that " + escape(conditions.front().title(conditions.front().pairs.front().a)) +
+                    " is not found to beat in stiffness: " + (others.empty() ? "none" : join(others, "; ")) + ".");
+  page.paragraph(
+      fmt::format("Compared in simulation: {} renderers on a virtual wall. A simulated person pushes the tool into the "
+                  "wall with the "
+                  "same random forces for every renderer. Stiffness K_d is the force of a sudden push divided by the "
+                  "depth that the "
+                  "tool reaches in 0.1 s.",
+                  conditions.front().scores.size()));
   page.list(items);
   for (const std::string& plant : options.plants) addTests(page, onPlant(conditions, plant));
 }

@@ -50,7 +50,7 @@ function scaleOf(name, settings, signal) {
 function logTicks([low, high]) {
   const decades = Math.log10(high / low), every = Math.ceil(decades / 8), ticks = [];
   for (let power = Math.floor(Math.log10(low)); 10 ** power <= high; ++power)
-    for (const factor of decades < 2.2 ? [1, 2, 5] : power % every === 0 ? [1] : [])
+    for (const factor of decades < 2.7 ? [1, 2, 5] : power % every === 0 ? [1] : [])
       if (factor * 10 ** power >= low && factor * 10 ** power <= high) ticks.push(factor * 10 ** power);
   return ticks;
 }
@@ -58,7 +58,7 @@ function logTicks([low, high]) {
 function axisOf(name, settings, panel, domain) {
   const numbers = settings.numbers !== false, length = name === 'x' ? panel.width : panel.height;
   return {scale: name, orient: name === 'x' ? 'bottom' : 'left', title: numbers ? settings.title || null : null,
-    labels: numbers, ticks: numbers && !settings.names, grid: !settings.names && panel.grid !== false, domain: false,
+    labels: numbers, ticks: numbers && !settings.names, grid: !settings.names && panel.grid !== false, domain: false, labelLimit: 300,
     tickCount: Math.max(2, Math.round(length / (name === 'x' ? 80 : 45))), labelOverlap: true,
     ...(settings.log ? {format: '~g', values: logTicks(domain)} : {})};
 }

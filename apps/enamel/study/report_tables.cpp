@@ -8,6 +8,8 @@
 
 namespace enamel::app {
 
+constexpr double kRounding = 1e-12;  // SI: smaller values are rounding errors
+
 // The distribution of every metric over the wall: median and range of the means at the query points.
 void addMeasures(Page& page, const Study& study, const Findings& findings) {
   page.heading("All metrics over the wall");
@@ -26,20 +28,23 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
         [&](const WallSummary& w) { return givenText(study.labels[w.column].damping); });
     for (std::size_t m = 0; m < kMetrics; ++m) {
       const Metric& metric = allMetrics()[m];
+      const auto text = [&metric](double mean) {
+        return numberText(std::abs(mean) < kRounding ? 0.0 : metric.displayScale * mean);
+      };
+      const auto cell = [&](const WallSummary& w) -> std::string {
+        std::vector<double> means;
+        for (const PointStatistics& p : findings.points)
+          if (p.scenario == scenario && p.column == w.column && std::isfinite(p.metrics[m].mean))
+            means.push_back(p.metrics[m].mean);
+        if (means.empty()) return "–";
+        std::sort(means.begin(), means.end());
+        const std::string low = text(means.front()), high = text(means.back());
+        return text(means[means.size() / 2]) + (low == high ? "" : " <small>" + low + " to " + high + "</small>");
+      };
+      if (std::all_of(walls.begin(), walls.end(), [&](const WallSummary* w) { return cell(*w) == "–"; })) continue;
       row(fmt::format("{}{}{} <small>{}</small>", metric.symbol, *metric.displayUnit ? ", " : "", metric.displayUnit,
                       metric.meaning),
-          [&](const WallSummary& w) -> std::string {
-            std::vector<double> means;
-            for (const PointStatistics& p : findings.points)
-              if (p.scenario == scenario && p.column == w.column && std::isfinite(p.metrics[m].mean))
-                means.push_back(metric.displayScale * p.metrics[m].mean);
-            if (means.empty()) return "–";
-            std::sort(means.begin(), means.end());
-            const std::string middle = numberText(means[means.size() / 2]);
-            if (means.size() == 1) return middle;
-            return fmt::format("{} <small>{} to {}</small>", middle, numberText(means.front()),
-                               numberText(means.back()));
-          });
+          cell);
     }
     row("runs without K_z1", [](const WallSummary& w) {
       const std::string without = withoutFirstText(w);
