@@ -89,7 +89,7 @@ Json residualFigure(const Identification& result) {
   }
   legend.push_back(entry("rounding of its encoder", dashed(viewer::kMuted)));
   const std::string unit = !isLinear(t.joint.front()) ? "µrad" : isLinear(t.joint.back()) ? "µm" : "µm or µrad";
-  return figure("spectra of the residuals", 1, legend,
+  return figure("Spectra of the residuals", 1, legend,
                 Json::array({panel("", kWide, 280, axis("frequency, Hz", true), axis(unit + " / √Hz", true), layers)}));
 }
 

@@ -128,8 +128,8 @@ TEST_CASE("a browser draws the study: no error, values under the mouse, data as 
   const nlohmann::json seen = probed(folder, folder / "out/report.html");
   CHECK(seen.at("problems") == nlohmann::json::array());
   CHECK(seen.at("data").at("points.csv").get<std::string>() == test::readFile(folder / "out/points.csv"));
-  REQUIRE(seen.at("figures").size() == 7);
-  CHECK(seen.at("exports") == 14);  // SVG and PNG of each
+  REQUIRE(seen.at("figures").size() == 8);
+  CHECK(seen.at("exports") == 16);  // SVG and PNG of each
   CHECK(seen.at("wide").get<int>() <= 0);
   for (const auto& [name, shapes] : seen.at("figures").items()) {
     INFO(name);
