@@ -12,6 +12,7 @@ constexpr const char* kStyle = R"(
 body { font: 16px/1.5 sans-serif; color: #1f262e; max-width: 58rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.7rem; line-height: 1.25; margin-bottom: 0.2rem; } h2 { font-size: 1.25rem; margin-top: 2.4rem; }
 table { border-collapse: collapse; width: 100%; margin: 0.8rem 0; font-size: 0.875rem; line-height: 1.35; }
+table.wide { font-size: 0.75rem; } table.wide :is(th, td) { padding-right: 0.45rem; min-width: 0; }
 caption { text-align: left; color: #4a535e; padding-bottom: 0.4rem; }
 th, td { padding: 0.3rem 0.8rem 0.3rem 0; border-bottom: 1px solid #d3d9e0; text-align: right; vertical-align: top; }
 th:first-child, td:first-child { text-align: left; min-width: 7rem; } th { border-bottom: 2px solid #66707c; font-weight: 600; }
@@ -155,7 +156,8 @@ void Page::terms(const std::vector<std::pair<std::string, std::string>>& items) 
 
 void Page::table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows,
                  const std::string& caption) {
-  html_ += "<table>\n";
+  constexpr std::size_t kWide = 9;
+  html_ += head.size() > kWide ? "<table class=\"wide\">\n" : "<table>\n";
   if (!caption.empty()) html_ += "<caption>Table " + std::to_string(++tables_) + ". " + caption + "</caption>\n";
   html_ += "<tr>";
   for (const std::string& cell : head) html_ += "<th>" + cell + "</th>";
