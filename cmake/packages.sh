@@ -10,7 +10,7 @@ python_packages="python3-dev pybind11-dev python3-numpy"
 fmi_packages="libzip-dev libpugixml-dev"  # units of FMI: enamel fmu, --plant FILE.fmu
 sound_packages="libopenal-dev"
 driver_packages="libboost-dev"  # the driver haply: WebSockets by Boost.Beast
-page_packages="libjs-three zlib1g-dev"  # enamel replay --html
+page_packages="libjs-three libjs-vega zlib1g-dev"  # enamel replay --html, figures of reports
 person_packages="xdotool libx11-dev"  # tests: real keys and clicks, dropped files
 
 is_installed() { dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'install ok installed'; }
@@ -51,6 +51,6 @@ install_packages() {
   install_step $fmi_packages || echo "== going on without units of FMI" >&2
   install_step $sound_packages || echo "== going on without sound" >&2
   install_step $driver_packages || echo "== going on without the driver haply" >&2
-  install_step $page_packages || echo "== going on without enamel replay --html" >&2
+  install_step $page_packages || echo "== going on without enamel replay --html and figures of reports" >&2
   install_step $person_packages || echo "== going on without the tests of a person at the window" >&2
 }

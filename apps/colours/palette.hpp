@@ -21,8 +21,8 @@ inline Vec3 rgbOf(unsigned rgb) {
 
 inline constexpr unsigned kGround = 0xE9EDF1, kPaper = 0xF7F8FA, kLine = 0xD3D9E0, kInk = 0x1F262E, kMuted = 0x66707C;
 inline constexpr unsigned kBlue = 0x0072B2, kOrange = 0xE69F00, kGreen = 0x009E73, kVermilion = 0xD55E00;
-inline constexpr unsigned kPurple = 0xCC79A7, kSky = 0x56B4E9;
-// Each has one meaning. Renderers: slotColour(); in the split screen blue is the left tool and purple the right one.
+inline constexpr unsigned kPurple = 0xCC79A7, kSky = 0x56B4E9, kBrown = 0x8C6D1F;
+// Each has one meaning. Renderers have the colours of renderers.hpp.
 inline constexpr unsigned kForce = kVermilion, kHand = kOrange, kDepth = 0x1F262E, kReference = 0x5B6B7B;
 inline constexpr unsigned kJoints[] = {0x2B3138, 0x9A7B4F, 0x8FA0B0};  // of the charts: dark, brown, light
 inline constexpr unsigned kWrong = 0xA3141E;                           // a warning

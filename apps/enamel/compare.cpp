@@ -86,6 +86,7 @@ void addCompare(CLI::App& app) {
   command->callback([options, command] {
     setDefaults(*command, *options);
     takeRank(*command, options->study);
+    options->study.arguments = argumentsOf(*command);
     runCompare(*options);
   });
 }

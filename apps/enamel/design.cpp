@@ -252,7 +252,7 @@ void addServoOptions(CLI::App& command, DesignOptions& options) {
                    "--tune: the servo to write meets the step-reference rows of Table II");
   command.add_option("--impedance-map", options.impedanceMap, "file for the stability map of impedance walls (CSV)");
   command.add_option("--stability", options.stability,
-                     "file for maps of the device errors at which position control is stable (SVG); prints them too");
+                     "page for maps of the device errors at which position control is stable (HTML); prints them too");
   command.add_option("--force", options.push, "force of the push for the reported first impact, N")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -5,7 +5,6 @@
 namespace enamel::app {
 
 std::string jsonOf(const DesignedServo& servo) {
-  using Json = nlohmann::ordered_json;
   const ServoDesign& design = servo.design;
   const ServoWeights& w = design.weights;
   Json out;

@@ -10,7 +10,7 @@
 #include "enamel/core/file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/stability.hpp"
-#include "study/svg.hpp"
+#include "study/page.hpp"
 
 namespace enamel::app {
 namespace {
@@ -58,11 +58,11 @@ void print(const DeviceLoops& device) {
     }
 }
 
-// --- the picture ----------------------------------------------------------------------------------------------------
+// --- the maps -------------------------------------------------------------------------------------------------------
 
-constexpr int kColumns = 40, kRows = 30;  // cells of a map
-constexpr double kLeft = 74.0, kTop = 34.0, kGap = 12.0, kHeight = 150.0, kBelow = 70.0;
-constexpr const char* kColours[] = {kNoValue, kSky, kBlue};  // by level
+constexpr int kColumns = 40, kRows = 30;                                  // cells of a map
+constexpr unsigned kColours[] = {0xBDBDBD, viewer::kSky, viewer::kBlue};  // by level
+constexpr const char* kLevelNames[] = {"not stable", "stable without jumps", "stable without and with jumps"};
 
 enum Level : char { unstable, quiet, all, impossible };
 
@@ -72,68 +72,76 @@ Level levelOf(const LinearLoop& loop, const DeviceErrors& errors) {
   return loop.isStable(errors, Scope::all) ? all : quiet;
 }
 
-// The axis of an error: wider than its ranges at all delays.
-Axis axisOf(const DeviceLoops& device, std::size_t error, const std::string& title) {
+// Return the edges of cells over the values of an error: wider than its ranges at all delays.
+std::vector<double> edgesOf(const DeviceLoops& device, std::size_t error, int cells) {
   constexpr double kLatest = 1.0;  // tick: errors that are plausible
-  Extent extent;
+  double low = HUGE_VAL, high = -HUGE_VAL;
   for (const auto& ranges : device.ranges)
-    for (const double end : {ranges[0][error].low, ranges[0][error].high})
-      extent.see(error == 2 ? std::clamp(end, -kLatest, kLatest) : end);
-  return extent.axis(title, 0.1);
+    for (const double end : {ranges[0][error].low, ranges[0][error].high}) {
+      const double value = error == 2 ? std::clamp(end, -kLatest, kLatest) : end;
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  const double margin = high > low ? 0.1 * (high - low) : 0.05;
+  std::vector<double> edges;
+  for (int i = 0; i <= cells; ++i) edges.push_back(low - margin + i * (high - low + 2.0 * margin) / cells);
+  return edges;
 }
 
-double valueAt(const Axis& axis, int cell, int cells) {
-  return axis.low + (cell + 0.5) / cells * (axis.high - axis.low);
-}
-
-// Draw a map of mass and another error for each delay.
-void addMaps(Svg& svg, const DeviceLoops& device, const Axis& mass, std::size_t error, const Axis& other, double top,
-             int threads) {
-  const std::size_t count = device.loops.size();
-  std::vector<Level> levels(count * kRows * kColumns);
-  parallelFor(count * kRows, threads, [&](std::size_t i) {
+// Return a map of mass and another error for each delay.
+Json mapsOf(const DeviceLoops& device, std::size_t error, const std::string& title, int threads) {
+  const std::vector<double> mass = edgesOf(device, 0, kColumns), other = edgesOf(device, error, kRows);
+  std::vector<Level> levels(device.loops.size() * kRows * kColumns);
+  parallelFor(device.loops.size() * kRows, threads, [&](std::size_t i) {
     DeviceErrors errors;
-    errors.*kErrors[error] = valueAt(other, static_cast<int>(i % kRows), kRows);
-    for (int column = 0; column < kColumns; ++column) {
-      errors.mass = valueAt(mass, column, kColumns);
-      levels[i * kColumns + static_cast<std::size_t>(column)] = levelOf(device.loops[i / kRows], errors);
+    errors.*kErrors[error] = 0.5 * (other[i % kRows] + other[i % kRows + 1]);
+    for (std::size_t column = 0; column < kColumns; ++column) {
+      errors.mass = 0.5 * (mass[column] + mass[column + 1]);
+      levels[i * kColumns + column] = levelOf(device.loops[i / kRows], errors);
     }
   });
-  const double width = (Svg::kWidth - kLeft - kGap * static_cast<double>(count)) / static_cast<double>(count),
-               cell = width / kColumns, height = kHeight / kRows;
-  for (std::size_t d = 0; d < count; ++d) {
-    const Place corner{kLeft + static_cast<double>(d) * (width + kGap), top};
-    for (int row = 0; row < kRows; ++row)
-      for (int from = 0, to = 0; from < kColumns; from = to) {  // cells of one level are one box
-        const Level* line = &levels[(d * kRows + static_cast<std::size_t>(row)) * kColumns];
+  Json panels = Json::array(), legend = Json::array();
+  for (std::size_t d = 0; d < device.loops.size(); ++d) {
+    Json cells = Json::array();
+    for (std::size_t row = 0; row < kRows; ++row)
+      for (std::size_t from = 0, to = 0; from < kColumns; from = to) {  // cells of one level are one box
+        const Level* line = &levels[(d * kRows + row) * kColumns];
         while (to < kColumns && line[to] == line[from]) ++to;
-        if (line[from] != impossible)
-          svg.box({corner.x + from * cell, corner.y + (kRows - 1 - row) * height}, (to - from) * cell, height + 0.5,
-                  kColours[line[from]]);
+        if (line[from] == impossible) continue;
+        cells.push_back(rectangle(mass[from], mass[to], other[row], other[row + 1]));
+        cells.back()["colour"] = colourText(kColours[line[from]]);
+        cells.back()["text"] = kLevelNames[line[from]];
       }
-    Axis y = other;
-    y.numbers = d == 0;
-    const Panel panel(svg, corner, width, kHeight, mass, y, fmt::format("delay {}", d), false);
-    svg.disc(panel.at(1.0, DeviceErrors().*kErrors[error]), 3.5, kVermilion);
+    Json y = axis(title, other.front(), other.back());
+    y["numbers"] = d == 0;
+    const Json asInFile = numbers({DeviceErrors().*kErrors[error]});
+    panels.push_back(panel(fmt::format("delay {}", d),
+                           std::max(100.0, 680.0 / static_cast<double>(device.loops.size())), 150,
+                           axis("mass over the file's", mass.front(), mass.back()), y,
+                           {{{"type", "cells"}, {"cells", cells}},
+                            {{"type", "points"},
+                             {"x", Json::array({1.0})},
+                             {"y", asInFile},
+                             {"texts", Json::array({"as in the file"})},
+                             {"colour", colourText(viewer::kVermilion)}}}));
+    panels.back()["grid"] = false;
   }
+  for (int level = all; level >= unstable; --level)
+    legend.push_back(entry(kLevelNames[level], {kColours[level]}, true));
+  legend.push_back(entry("as in the file", {viewer::kVermilion}, true));
+  return figure("mass and " + title, static_cast<int>(device.loops.size()), legend, panels);
 }
 
-std::string pictureOf(const DeviceLoops& device, const std::string& name, int threads) {
-  Svg svg;
-  const Axis mass = axisOf(device, 0, "mass over the file's");
-  double top = kTop;
-  addMaps(svg, device, mass, 2, axisOf(device, 2, "delay error, ticks"), top, threads);
-  top += kHeight + kBelow;
-  if (device.hasCables()) {
-    addMaps(svg, device, mass, 1, axisOf(device, 1, "cable over the file's"), top, threads);
-    top += kHeight + kBelow;
-  }
-  top += addLegend(svg, {kLeft, top - 20.0}, Svg::kWidth - kLeft,
-                   {{"stable without and with jumps", {kBlue}, true},
-                    {"stable without jumps", {kSky}, true},
-                    {"not stable", {kNoValue}, true},
-                    {"as in the file", {kVermilion}, true}});
-  return svg.whole("Stability of position control on " + name, top - 10.0);
+std::string pageOf(const DeviceLoops& device, const std::string& name, int threads) {
+  Page page;
+  const std::string caption =
+      "Errors of the device at which the linear loop is stable, for each delay in ticks: its "
+      "mass, and ";
+  page.figure("delay-errors", mapsOf(device, 2, "delay error, ticks", threads), caption + "an error of its delay.");
+  if (device.hasCables())
+    page.figure("cable-errors", mapsOf(device, 1, "cable over the file's", threads),
+                caption + "the stiffness of its cables.");
+  return page.whole("Stability of position control on " + escape(name), "Linear loops; no hardware was involved.");
 }
 
 }  // namespace
@@ -142,7 +150,7 @@ void writeStability(const DeviceParameters& parameters, double period, int large
                     const std::string& path) {
   const DeviceLoops device = analyse(parameters, period, largestDelay, threads);
   print(device);
-  writeFile(path, pictureOf(device, nameOf(parameters), threads));
+  writeFile(path, pageOf(device, nameOf(parameters), threads));
 }
 
 }  // namespace enamel::app

@@ -12,8 +12,6 @@
 namespace enamel::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 template <int n>
 Eigen::Matrix<double, n, 1> vectorAt(const Json& row, const char* key) {
   const Json& list = row.at(key);

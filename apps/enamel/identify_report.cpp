@@ -7,16 +7,14 @@
 
 #include "design_expectation.hpp"
 #include "study/page.hpp"
-#include "study/svg.hpp"
 
 namespace enamel::app {
 namespace {
 
 constexpr double kShown = 3.0;  // s, of the traces
-constexpr const char* kColours[] = {kBlue, kVermilion, kGreen, kOrange, kPurple, kSky, kBrown, kMuted, kInk, kRed};
-constexpr double kLeft = 90.0, kPanelWidth = Svg::kWidth - kLeft - 20.0;
-
-const char* colourOf(Eigen::Index joint) { return kColours[static_cast<std::size_t>(joint) % std::size(kColours)]; }
+constexpr int kWide = 750;
+constexpr unsigned kColours[] = {viewer::kBlue, viewer::kVermilion, viewer::kGreen, viewer::kOrange, viewer::kPurple,
+                                 viewer::kSky,  viewer::kBrown,     viewer::kMuted, viewer::kInk};
 
 bool isLinear(const std::string& joint) { return joint.rfind("axis", 0) == 0; }
 
@@ -48,68 +46,51 @@ void addEstimates(Page& page, const Identification& result) {
   page.list(hidden);
 }
 
-// Torques of one joint: command, and what the model needs for the recorded motion.
-std::string torqueFigure(const Identification& result) {
+// Torques of the joints: command, and what the model needs for the recorded motion.
+Json torqueFigure(const Identification& result) {
   const IdentificationTraces& t = result.traces;
   const Eigen::Index joints = t.torque.rows(), all = t.torque.cols();
   const Eigen::Index count = std::min(all, static_cast<Eigen::Index>(kShown / t.period)), first = (all - count) / 2;
-  constexpr double kHeight = 110.0, kStride = 150.0, kTop = 40.0;
-  Svg svg;
-  addLegend(svg, {kLeft, 10.0}, kPanelWidth, {{"command", {kInk, 1.5, false}}, {"model", {kVermilion, 1.5, true}}});
-  std::vector<double> times;
-  for (Eigen::Index i = 0; i < count; ++i) times.push_back(static_cast<double>(i) * t.period);
+  const Style command, model{viewer::kVermilion, {6, 4}};
+  const Json times{{"from", 0.0}, {"step", t.period}};
+  Json panels = Json::array();
   for (Eigen::Index joint = 0; joint < joints; ++joint) {
     const auto row = static_cast<std::size_t>(joint);
-    Extent extent;
-    std::vector<double> command, model;
+    std::vector<double> commanded, explained;
     for (Eigen::Index i = first; i < first + count; ++i) {
-      command.push_back(t.torque(joint, i));
-      model.push_back(t.explained(joint, i));
-      extent.see(command.back());
-      extent.see(model.back());
+      commanded.push_back(t.torque(joint, i));
+      explained.push_back(t.explained(joint, i));
     }
-    Axis time{"time, s", 0.0, times.back()};
-    time.numbers = joint + 1 == joints;
-    if (!time.numbers) time.title.clear();
-    Panel panel(svg, {kLeft, kTop + kStride * static_cast<double>(joint)}, kPanelWidth, kHeight, time,
-                extent.axis(isLinear(t.joint[row]) ? "N" : "N m", 0.1),
-                fmt::format("{}: {:.2f} % explained", t.joint[row], 100.0 * result.explained[joint]));
-    panel.curve(times, command, {kInk, 1.5, false});
-    panel.curve(times, model, {kVermilion, 1.5, true});
+    Json time = axis("time, s");
+    time["numbers"] = joint + 1 == joints;
+    panels.push_back(panel(fmt::format("{}: {:.2f} % explained", t.joint[row], 100.0 * result.explained[joint]), kWide,
+                           110, time, axis(isLinear(t.joint[row]) ? "N" : "N m"),
+                           {line("command", times, commanded, command), line("model", times, explained, model)}));
   }
-  return svg.whole("Torques of command and model", kTop + kStride * static_cast<double>(joints) + 20.0);
+  return figure("torques of command and model", 1, {entry("command", command), entry("model", model)}, panels);
 }
 
 // Spectra of the residuals, and the density of rounding.
-std::string residualFigure(const Identification& result) {
+Json residualFigure(const Identification& result) {
   const IdentificationTraces& t = result.traces;
   // A rounding error has the variance step^2 / 12, equally at all frequencies up to 1 / (2 period).
   const JointVector rounding = 1e6 * std::sqrt(t.period / 6.0) * makeMechanism(result.device)->limits().encoderStep;
-  Svg svg;
-  Extent frequencies, densities;
   std::vector<double> xs;
-  for (Eigen::Index k = 1; k < t.frequency.size(); ++k) {
-    xs.push_back(t.frequency[k]);
-    frequencies.see(xs.back());
-  }
-  std::vector<LegendEntry> entries;
+  for (Eigen::Index k = 1; k < t.frequency.size(); ++k) xs.push_back(t.frequency[k]);
+  Json layers = Json::array(), legend = Json::array();
   for (Eigen::Index joint = 0; joint < t.residual.rows(); ++joint) {
-    entries.push_back({t.joint[static_cast<std::size_t>(joint)], {colourOf(joint), 1.5, false}});
-    densities.see(rounding[joint]);
-    for (Eigen::Index k = 1; k < t.frequency.size(); ++k) densities.see(1e6 * t.residual(joint, k));
-  }
-  entries.push_back({"rounding of its encoder", {kMuted, 1.0, true}});
-  const double legend = addLegend(svg, {kLeft, 10.0}, kPanelWidth, entries);
-  const std::string unit = !isLinear(t.joint.front()) ? "µrad" : isLinear(t.joint.back()) ? "µm" : "µm or µrad";
-  Panel panel(svg, {kLeft, 30.0 + legend}, kPanelWidth, 280.0, frequencies.axis("frequency, Hz", 0.0, true),
-              densities.axis(unit + " / √Hz", 0.1, true));
-  for (Eigen::Index joint = 0; joint < t.residual.rows(); ++joint) {
+    const std::string& name = t.joint[static_cast<std::size_t>(joint)];
+    const Style style{kColours[static_cast<std::size_t>(joint) % std::size(kColours)]};
     std::vector<double> ys;
     for (Eigen::Index k = 1; k < t.frequency.size(); ++k) ys.push_back(1e6 * t.residual(joint, k));
-    panel.curve(xs, ys, {colourOf(joint), 1.5, false});
-    panel.level(rounding[joint], {kMuted, 1.0, true});
+    layers.push_back(line(name, numbers(xs), ys, style));
+    layers.push_back(level(rounding[joint], dashed(viewer::kMuted)));
+    legend.push_back(entry(name, style));
   }
-  return svg.whole("Spectra of the residuals", 30.0 + legend + 280.0 + 50.0);
+  legend.push_back(entry("rounding of its encoder", dashed(viewer::kMuted)));
+  const std::string unit = !isLinear(t.joint.front()) ? "µrad" : isLinear(t.joint.back()) ? "µm" : "µm or µrad";
+  return figure("Spectra of the residuals", 1, legend,
+                Json::array({panel("", kWide, 280, axis("frequency, Hz", true), axis(unit + " / √Hz", true), layers)}));
 }
 
 void addWalls(Page& page, const Identification& result, const std::vector<WallExpectation>& expected) {
@@ -152,10 +133,10 @@ std::string identificationReport(const Identification& result, const std::vector
   if (!result.estimates.empty()) addEstimates(page, result);
   if (result.traces.torque.cols() > 0) {
     page.heading("Prediction");
-    page.figure(torqueFigure(result),
+    page.figure("torques", torqueFigure(result),
                 "Torques below 20 Hz in a part of the recording that the fit does not use: the command, and the torque "
                 "that gives the model the recorded motion.");
-    page.figure(residualFigure(result),
+    page.figure("residuals", residualFigure(result),
                 "Recorded minus predicted reading. A residual above the encoder's rounding shows an effect that the "
                 "model lacks, for example another friction.");
   }

@@ -8,10 +8,10 @@
 
 namespace enamel::app {
 
-nlohmann::ordered_json parseJson(const std::string& path) {
+Json parseJson(const std::string& path) {
   const std::string text = readJson(path);
   try {
-    return nlohmann::ordered_json::parse(text);
+    return Json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
     throw ConfigurationError(path, 1 + static_cast<int>(std::count(text.begin(), end, '\n')), "", "is not valid JSON");
@@ -20,14 +20,12 @@ nlohmann::ordered_json parseJson(const std::string& path) {
   }
 }
 
-std::string textOf(const nlohmann::ordered_json& json) {
-  return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
+std::string textOf(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
-nlohmann::ordered_json listOf(const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); }
+Json listOf(const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); }
 
-nlohmann::ordered_json rowsOf(const Eigen::MatrixXd& m) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+Json rowsOf(const Eigen::MatrixXd& m) {
+  Json rows = Json::array();
   for (Eigen::Index i = 0; i < m.rows(); ++i) rows.push_back(listOf(m.row(i)));
   return rows;
 }

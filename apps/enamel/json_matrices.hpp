@@ -7,15 +7,17 @@
 
 namespace enamel::app {
 
-nlohmann::ordered_json listOf(const Eigen::VectorXd& v);
+using Json = nlohmann::ordered_json;
+
+Json listOf(const Eigen::VectorXd& v);
 
 /// Throws ConfigurationError: as readJson(); it names the line that is not JSON.
-nlohmann::ordered_json parseJson(const std::string& path);
+Json parseJson(const std::string& path);
 
 /// Return the text of a file: one entry a line. Names that are not UTF-8 are converted.
-std::string textOf(const nlohmann::ordered_json& json);
+std::string textOf(const Json& json);
 
 /// Return one list for each row.
-nlohmann::ordered_json rowsOf(const Eigen::MatrixXd& m);
+Json rowsOf(const Eigen::MatrixXd& m);
 
 }  // namespace enamel::app

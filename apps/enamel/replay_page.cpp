@@ -7,12 +7,13 @@
 #include <cstring>
 #include <type_traits>
 
-#include "colours/palette.hpp"
+#include "colours/renderers.hpp"
 #include "colours/tooth_colours.hpp"
 #include "enamel/collision/solid_surface.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
-#include "replay_page_text.hpp"
+#include "page_text.hpp"
+#include "study/page.hpp"
 #ifdef ENAMEL_REPLAY_PAGE
 #include <zlib.h>
 #endif
@@ -273,7 +274,9 @@ json PageSide::obstacleOf(std::size_t number, PageNumbers& numbers) const {
 json PageSide::finish(PageNumbers& numbers) {
   if (times_.empty()) throw Error(title_ + ": has no tick that can be shown");
   takeBricks(static_cast<float>(end_));
+  const viewer::RendererLook* look = viewer::lookOf(title_);
   json side = {{"title", title_},
+               {"colour", look != nullptr ? look->colour : viewer::kBrown},
                {"renderer", header_.renderer},
                {"period", header_.guard.period},
                {"end", end_},
@@ -322,19 +325,6 @@ std::string compressed(const std::string& bytes) {
   deflateEnd(&stream);
   if (status != Z_STREAM_END) throw Error("zlib cannot compress the recording");
   return result;
-}
-
-std::string base64(const std::string& bytes) {
-  static const char* const digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve(bytes.size() / 3 * 4 + 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) { return k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0u; };
-    const unsigned word = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
-    for (int k = 0; k < 4; ++k)
-      text += i + static_cast<std::size_t>(k) <= bytes.size() ? digits[word >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
 }
 
 void put(std::string& page, const std::string& mark, const std::string& text) {

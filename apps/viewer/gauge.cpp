@@ -105,7 +105,7 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const OverlaySta
   for (std::size_t i = 0; i < rendererCount(input); ++i) {
     const TestPush& test = input.left.frame.tests[i];
     const bool active = indexOf(input.left.frame.selected) == i;
-    brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(kSlotColour[i]));
+    brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(slotColour(i)));
     brush.text(active ? gFonts.bold : gFonts.text, x + 17 * s, y, kInk, titleOf(input, i));
     if (test.verdict == FirstImpactVerdict::measured) {
       brush.text(gFonts.bold, x + 150 * s, y, kInk, stiffnessText(test.stiffness));
@@ -145,7 +145,7 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const OverlaySta
     if (input.left.frame.tests[i].verdict == FirstImpactVerdict::measured) {
       const ImVec2 centre{place(input.left.frame.tests[i].stiffness), bar + 0.5f * height};
       brush.list->AddCircleFilled(centre, 8 * s, ink(0xFFFFFF));
-      brush.list->AddCircleFilled(centre, 6.5f * s, ink(kSlotColour[i]));
+      brush.list->AddCircleFilled(centre, 6.5f * s, ink(slotColour(i)));
     }
 }
 

@@ -26,7 +26,7 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   const std::string renderer = player != nullptr ? "Recording of " + player->header().renderer : titleOf(input, slot);
   const std::string who = format("%s on %s", renderer.c_str(), input.device.name.c_str());
   brush.clear(x, y - 3 * s, 16 * s + Brush::width(gFonts.text, who), 24 * s);
-  brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(player != nullptr ? kInk : kSlotColour[slot]));
+  brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(player != nullptr ? kInk : slotColour(slot)));
   brush.text(gFonts.text, x + 16 * s, y, kMuted, who);
 
   drawStatus(right, area.y + 16 * s, input, frame, brush);

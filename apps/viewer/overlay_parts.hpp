@@ -1,15 +1,23 @@
 // The parts of the overlay, one file each.
 #pragma once
 
+#include <cctype>
+
 #include "brush.hpp"
+#include "colours/renderers.hpp"
 #include "overlay_input.hpp"
 
 namespace enamel::viewer {
 
-inline constexpr unsigned kSlotColour[kMaxRenderers] = {kBlue, kPurple, kSky, kGreen, 0x8C6BB1};
-inline constexpr unsigned kSideColour[] = {kBlue, kPurple};  // of the tools in the split screen
-inline constexpr const char* kLinkedTitle[kLinkedRenderers] = {"Position control", "Spring", "Hold (paper)",
-                                                               "Passive spring"};
+/// Return the colour of a renderer's slot.
+constexpr unsigned slotColour(std::size_t slot) {
+  return slot < kLinkedRenderers ? kRendererLooks[slot].colour : kOtherLooks[0].colour;
+}
+/// Return the colour of a tool in the split screen: that of its renderer, or another one if both have the same.
+inline unsigned sideColour(const OverlayInput& input, std::size_t side) {
+  const std::size_t left = indexOf(input.left.frame.selected), right = indexOf(input.right->frame.selected);
+  return side == 0 ? slotColour(left) : left == right ? kReference : slotColour(right);
+}
 
 /// Return whether a slot holds a plugin, as an additional renderer or instead of a linked one.
 inline bool isPlugin(const OverlayInput& input, std::size_t slot) {
@@ -20,7 +28,10 @@ inline std::size_t rendererCount(const OverlayInput& input) {
 }
 /// Return the title of a slot. A plugin never gets the title of the linked renderer that it replaces.
 inline std::string titleOf(const OverlayInput& input, std::size_t slot) {
-  return isPlugin(input, slot) ? format("Plugin %s", input.device.plugin->description().name) : kLinkedTitle[slot];
+  if (isPlugin(input, slot)) return format("Plugin %s", input.device.plugin->description().name);
+  std::string title = kRendererLooks[slot].title;
+  title[0] = static_cast<char>(std::toupper(title[0]));
+  return title;
 }
 
 /// Return the force of the hand into the nearest wall, N.

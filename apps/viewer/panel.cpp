@@ -94,8 +94,8 @@ void drawRendererChoice(const OverlayInput& input, OverlayState& state, float s,
     ImGui::PushID(&asked);
     for (std::size_t slot = 0; slot < rendererCount(input); ++slot) {
       if (slot % 2 == 1) ImGui::SameLine(0, 6 * s);
-      const std::string name = isPlugin(input, slot) ? input.device.plugin->description().name : kLinkedTitle[slot];
-      if (toggle(name.c_str(), indexOf(selected) == slot, half, split ? side : kSlotColour[slot]))
+      const std::string name = isPlugin(input, slot) ? input.device.plugin->description().name : titleOf(input, slot);
+      if (toggle(name.c_str(), indexOf(selected) == slot, half, split ? side : slotColour(slot)))
         asked = static_cast<RendererSlot>(slot);
       tip(state, kRendererTip[isPlugin(input, slot) ? indexOf(RendererSlot::plugin) : slot]);
     }
@@ -111,10 +111,10 @@ void drawRendererChoice(const OverlayInput& input, OverlayState& state, float s,
     ImGui::PopFont();
     tip(state, "Two tools, two renderers, one hand: which one feels stiffer?");
   }
-  choose(frame.selected, kSideColour[0], state.asked.renderer);
+  choose(frame.selected, split ? sideColour(input, 0) : 0, state.asked.renderer);
   if (!split) return;
   heading("Right tool");
-  choose(input.right->frame.selected, kSideColour[1], state.asked.right);
+  choose(input.right->frame.selected, sideColour(input, 1), state.asked.right);
 }
 
 void drawRendererSettings(const OverlayInput& input, OverlayState& state) {

@@ -52,7 +52,8 @@ void drawLine(const std::vector<ImVec2>& points, unsigned rgb, const Brush& brus
     brush.list->AddLine(points[i - 1], points[i], ink(rgb), 1.8f * brush.s);
 }
 
-void drawDepths(const Rect& area, const Comparison& both, const Brush& brush) {
+void drawDepths(const Rect& area, const OverlayInput& input, const Brush& brush) {
+  const Comparison& both = input.comparison;
   constexpr double window = Comparison::History::kBins * Comparison::History::kBinTicks * kPeriod;  // s
   float largest = 0.0f;
   for (std::size_t side = 0; side < 2; ++side)
@@ -70,11 +71,12 @@ void drawDepths(const Rect& area, const Comparison& both, const Brush& brush) {
       points.push_back(plot.at(time, 1e3 * static_cast<double>(range.low)));
       if (range.high > range.low) points.push_back(plot.at(time, 1e3 * static_cast<double>(range.high)));
     }
-    drawLine(points, kSideColour[side], brush);
+    drawLine(points, sideColour(input, side), brush);
   }
 }
 
-void drawCurves(const Rect& area, const Comparison& both, const Brush& brush) {
+void drawCurves(const Rect& area, const OverlayInput& input, const Brush& brush) {
+  const Comparison& both = input.comparison;
   float lowest = 0.0f;
   for (std::size_t side = 0; side < 2; ++side)
     for (const Comparison::Point& point : both.curve(side)) lowest = std::min(lowest, point.force);
@@ -95,7 +97,7 @@ void drawCurves(const Rect& area, const Comparison& both, const Brush& brush) {
     std::vector<ImVec2> points;
     for (const Comparison::Point& p : both.curve(side))
       points.push_back(plot.at(1e3 * std::max(0.0, static_cast<double>(p.depth)), static_cast<double>(p.force)));
-    drawLine(points, kSideColour[side], brush);
+    drawLine(points, sideColour(input, side), brush);
   }
   brush.list->PopClipRect();
 }
@@ -114,7 +116,7 @@ void drawRatio(const Rect& area, const OverlayInput& input, const Brush& brush) 
   const auto titled = [&](float y, std::size_t side, const char* before) {
     const float at = x + Brush::width(gFonts.text, before);
     brush.text(gFonts.text, x, y, kInk, before);
-    brush.list->AddCircleFilled({at + 5 * s, y + 9 * s}, 5 * s, ink(kSideColour[side]));
+    brush.list->AddCircleFilled({at + 5 * s, y + 9 * s}, 5 * s, ink(sideColour(input, side)));
     brush.text(gFonts.bold, at + 15 * s, y, kInk, titleOf(input, indexOf(frames[side]->selected)));
   };
   const std::optional<Comparison::Ratio> ratio = both.ratio();
@@ -180,9 +182,8 @@ void drawComparison(const Layout& layout, const OverlayInput& input, const Brush
   const float ratio = std::min(250 * s, 0.4f * a.width), top = a.y + 34 * s, high = a.height - 34 * s - 26 * s;
   const float plots = a.width - ratio - 14 * s;
   const float share = plots >= 480 * s ? 0.5f : 1.0f;  // without room: one plot only
-  drawDepths({a.x + 48 * s, top, share * plots - 74 * s, high}, input.comparison, brush);
-  if (share < 1.0f)
-    drawCurves({a.x + share * plots + 48 * s, top, share * plots - 80 * s, high}, input.comparison, brush);
+  drawDepths({a.x + 48 * s, top, share * plots - 74 * s, high}, input, brush);
+  if (share < 1.0f) drawCurves({a.x + share * plots + 48 * s, top, share * plots - 80 * s, high}, input, brush);
   drawRatio({a.x + a.width - ratio, a.y, ratio, a.height}, input, brush);
 }
 
@@ -210,8 +211,8 @@ void drawSplitScreen(const Layout& layout, const OverlayInput& input, OverlaySta
   static const std::vector<Vec3> noTrail;
   const float s = layout.scale;
   const std::tuple<const Rect&, const Rect&, const ToolInput&, unsigned> panes[] = {
-      {layout.scene, layout.inset, input.left, kSideColour[0]},
-      {layout.right, layout.rightInset, *input.right, kSideColour[1]}};
+      {layout.scene, layout.inset, input.left, sideColour(input, 0)},
+      {layout.right, layout.rightInset, *input.right, sideColour(input, 1)}};
   for (const auto& [scene, inset, tool, colour] : panes) {
     const Frame& frame = tool.frame;
     if (inset.width > 0) {

@@ -17,7 +17,6 @@
 
 namespace enamel::test_compare_command {
 
-using test::captures;
 using test::ContainsSubstring;
 using test::occurrences;
 using test::run;
@@ -129,14 +128,13 @@ TEST_CASE("the names of files and devices are text on every page", "[compare_com
   REQUIRE((compared.status == 0 && studied.status == 0));
   for (const std::string& page : {file(folder, "compared", "compare.html"), file(folder, "studied", "report.html")}) {
     CHECK(test::xmlProblem(page) == "");
-    CHECK(occurrences(page, "<b title") + occurrences(page, "<i>") + occurrences(page, "\xff") +
-              occurrences(page, "\ufffe") ==
+    // The scripts after the texts have no names but in JSON, where "<" is escaped.
+    CHECK(occurrences(page, "<b title") + occurrences(page.substr(0, page.find("<script")), "<i>") +
+              occurrences(page, "\xff") + occurrences(page, "\ufffe") ==
           0);
     CHECK(occurrences(page, shown) > 3);
     CHECK_THAT(page, ContainsSubstring("&lt;i&gt;\ufffd&lt;/i&gt;"));
   }
-  for (const auto& figure : std::filesystem::directory_iterator(folder / "studied/figures"))
-    CHECK_THAT(test::readFile(figure.path().string()), !ContainsSubstring("\xff"));
   // In CSV files it could end a cell or a line.
   for (const char* bad : {"a\nb", "a\"b"}) {
     const std::string path = folder / (std::string(bad) + ".json");
@@ -189,17 +187,25 @@ TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[co
   while (std::getline(lines, line)) ranks += std::stod(line.substr(line.rfind(',') + 1));
   CHECK(ranks == Approx(2 * 2 * 15.0));  // 1 + 2 + 3 + 4 + 5 for every plant and delay, even with ties
   for (const char* part :
-       {"<svg", "Welch", "Table III", "Table IV", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
+       {"Holm", "Table III", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
     CHECK_THAT(page, ContainsSubstring(part));
   CHECK_THAT(page, ContainsSubstring("Every other task"));
-  CHECK_THAT(page, !ContainsSubstring("nan") && !ContainsSubstring("inf,"));
+  const std::string text = page.substr(0, page.find("<script"));
+  CHECK_THAT(text, !ContainsSubstring("nan") && !ContainsSubstring("inf,"));
   CHECK(test::xmlProblem(page) == "");
-  // Two plants with two figures each: a box or "none" for each of five renderers at two delays.
-  CHECK(occurrences(page, "fill-opacity=\"0.35\"") + occurrences(page, ">none</text>") == 2 * 2 * 5 * 2);
-  // Stiffness has one scale for both plants, and depth another.
-  const auto y = captures(page, "data-y=\"([^\"]*)\"");
-  REQUIRE(y.size() == 4);
-  CHECK((y[0] == y[2] && y[1] == y[3] && y[0] != y[1]));
+  // Two plants with three figures each: boxes of five renderers at two delays, on one scale for both plants.
+  if (page.find("built without Vega") == std::string::npos) {
+    std::vector<std::string> ranges;
+    for (const char* name : {"stiffness", "depth"})
+      for (const char* plant : {"closed-form", "imperfect-stiff"}) {
+        const std::string id = std::string("id=\"") + name + "-" + plant + "-data\">";
+        const std::size_t at = page.find(id) + id.size();
+        const auto panel = nlohmann::json::parse(page.substr(at, page.find("</script>", at) - at)).at("panels").at(0);
+        CHECK(panel.at("layers").at(0).at("boxes").size() == 2 * 5);
+        ranges.push_back(panel.at("y").at("low").dump() + " " + panel.at("y").at("high").dump());
+      }
+    CHECK((ranges[0] == ranges[1] && ranges[2] == ranges[3] && ranges[0] != ranges[2]));
+  }
   // The fastest plant.
   const std::string fast = "--plants closed-form ";
   REQUIRE(compare("one", fast).status == 0);

@@ -50,9 +50,11 @@ TEST_CASE("the commands of the page plan, play and estimate", "[identify]") {
   CHECK(found.mass == Approx(0.045).epsilon(0.01));  // the file said 0.080; the interval is about 0.1 %
 
   const std::string report = test::readFile(folder / "report.html");
-  for (const char* part : {"platform.mass", "axis z: 99.", "Spectra of the residuals", "2 (this loop)"})
-    CHECK(report.find(part) != std::string::npos);
-  CHECK(report.find("nan") == std::string::npos);
+  const bool hasFigures = report.find("built without Vega") == std::string::npos;
+  for (const char* part : {"platform.mass", "2 (this loop)"}) CHECK(report.find(part) != std::string::npos);
+  for (const char* part : {"axis z: 99.", "Spectra of the residuals"})
+    if (hasFigures) CHECK(report.find(part) != std::string::npos);
+  CHECK(report.substr(0, report.find("<script")).find("nan") == std::string::npos);
 
   const std::string device = "identify --device my-device.toml ";
   CHECK(runHere(device + "--plan").output.find("--output is needed") != std::string::npos);

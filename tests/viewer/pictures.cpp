@@ -374,7 +374,7 @@ TEST_CASE("camera: unproject inverts project", "[viewer]") {
 namespace {
 
 // Return how far the lowest point of a tool is below the wall's line, at the inset's 46 units per mm. Tools have the
-// colour of their side in the split screen, or the force arrow at their tips.
+// colour of their renderer in the split screen, or the force arrow at their tips.
 double depthOf(const Pixels& pixels, const Rect& inset, unsigned colour, float scale) {
   const int wall = static_cast<int>(inset.y + 0.45f * inset.height);
   int lowest = wall;
@@ -411,8 +411,8 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
     const double sunk = 26.0 * 400.0 / (400.0 + 6000.0);
     CHECK(depthOf(pressed, layout.rightInset, kPurple, s) == Approx(sunk).margin(0.06));
     CHECK(depthOf(pressed, layout.inset, kBlue, s) < 0.06);
-    CHECK(depthOf(swapped, layout.inset, kBlue, s) == Approx(sunk).margin(0.06));
-    CHECK(depthOf(swapped, layout.rightInset, kPurple, s) < 0.06);
+    CHECK(depthOf(swapped, layout.inset, kPurple, s) == Approx(sunk).margin(0.06));
+    CHECK(depthOf(swapped, layout.rightInset, kBlue, s) < 0.06);
     // Curves of both tools: absent before, and kept after the hand has gone.
     const auto curves = [&](const Pixels& pixels, unsigned colour) {
       const Rect& a = layout.compare;
@@ -423,8 +423,8 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
     if (size.x >= 1280) {
       CHECK(curves(before, kPurple) < 0.2 * curves(pressed, kPurple));
       CHECK(curves(pressed, kPurple) > 100);
-      CHECK(curves(kept, kBlue) > 100);
-      CHECK(curves(kept, kPurple) > 30);
+      CHECK(curves(kept, kPurple) > 100);
+      CHECK(curves(kept, kBlue) > 30);
     }
     // The ratio: large dark digits, absent before.
     const auto figures = [&](const Pixels& pixels) {

@@ -12,6 +12,7 @@
 #include "enamel/core/file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "program/outputs.hpp"
+#include "study/pairs.hpp"
 
 namespace enamel::app {
 namespace {
@@ -29,15 +30,8 @@ Condition conditionOf(const CompareOptions& options, const std::string& plant, c
   std::string name = plant + '-' + delay;
   std::replace(name.begin(), name.end(), ':', '-');
   one.output += '/' + name;
-  Condition condition{plant, delay, prepareStudy(one), {}, {}, {}};
+  Condition condition{plant, delay, prepareStudy(one), {}, {}, {}, {}};
   condition.scores = scoresOf(condition.study.plan, {});
-  for (std::size_t c = 0; c < condition.scores.size(); ++c) {
-    const std::string& column = condition.study.plan.columns[c].name;
-    std::string& title = condition.study.labels[c].title;
-    if (column == kHold) title = "the paper's hold";
-    if (column == kImpedance) title = "the paper's spring";
-    if (column == kEdge) title = "spring at 4 kHz, at the edge of eq. 16";
-  }
   return condition;
 }
 
@@ -46,6 +40,20 @@ std::vector<Condition> conditionsOf(const CompareOptions& options) {
   for (const std::string& plant : options.plants)
     for (const std::string& delay : options.delays) conditions.push_back(conditionOf(options, plant, delay));
   return conditions;
+}
+
+// Adjust the tests for the number of comparisons of all plants and delays.
+void adjustPairs(std::vector<Condition>& conditions) {
+  std::vector<double> ps;
+  for (const Condition& c : conditions)
+    for (const PairedComparison& pair : c.pairs) ps.push_back(pair.wall.p);
+  const std::vector<double> adjusted = holm(ps);
+  std::size_t i = 0;
+  for (Condition& c : conditions)
+    for (PairedComparison& pair : c.pairs) {
+      pair.wallAdjusted = adjusted[i++];
+      if (!(pair.wallAdjusted < 0.05)) pair.verdict = PairedVerdict::undecided;
+    }
 }
 
 // Return false if other parts of the runs are missing.
@@ -63,6 +71,8 @@ void readPushes(Condition& c) {
   c.points = pointStatistics(c.study.plan, runs);
   c.walls = summarise(c.study.plan, c.points);
   c.scores = scoresOf(c.study.plan, runs);
+  c.pairs = comparePairs(c.study.plan, runs, referenceOf(c.study),
+                         {{1, &PushMetrics::depthStiffness, true, true}, {1, &PushMetrics::largestDepth, true, false}});
   writeFile(c.study.path("points.csv"), pointsTable(c.study, c.points));
   writeFile(c.study.path("summary.json"), summaryOf(c.study, c.walls, {}));
 }
@@ -113,6 +123,7 @@ void runCompare(CompareOptions options) {
     if (&c != &conditions.front()) fmt::print("\n");
     printTasks(c);
   }
+  adjustPairs(conditions);
   if (!study.output.empty()) writeResults(options, conditions);
 }
 

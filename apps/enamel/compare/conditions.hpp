@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "enamel/study/comparison.hpp"
+#include "enamel/study/paired.hpp"
 #include "study/study.hpp"
 
 namespace enamel::app {
@@ -15,7 +16,8 @@ struct Condition {
   Study study;
   std::vector<PointStatistics> points;
   std::vector<WallSummary> walls;
-  std::vector<RendererScore> scores;  ///< one for each column
+  std::vector<RendererScore> scores;    ///< one for each column
+  std::vector<PairedComparison> pairs;  ///< stiffness K_d and largest depth of scenario 1, against referenceOf()
 
   const std::string& title(std::size_t column) const { return study.labels[column].title; }
 };

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "compare/page_parts.hpp"
 #include "enamel/study/controllers.hpp"
-#include "enamel/study/welch.hpp"
-#include "study/box_plot.hpp"
+#include "study/figure_parts.hpp"
 #include "study/numbers.hpp"
+#include "study/pairs.hpp"
 
 namespace enamel::app {
 namespace {
@@ -57,59 +56,99 @@ void addFeel(Page& page, const Condition& condition) {
   page.table(head, rows);
 }
 
-// `all`: the conditions that share the same axes.
-void addBoxes(Page& page, const std::vector<const Condition*>& conditions, const std::vector<Condition>& all) {
-  const Condition& any = *conditions.front();
-  BoxPlot stiffness, depth;
-  stiffness.yLabel = "K_z1, kN/m";
-  depth.yLabel = "largest penetration, mm";
-  depth.line = 1e3 * kTooDeep;
-  for (std::size_t i = 0; i < any.scores.size(); ++i) stiffness.series.push_back(any.title(i));
-  depth.series = stiffness.series;
+// Return the boxes of a quantity in the runs of each delay and renderer, on the range of all conditions.
+Json boxPanel(const std::vector<const Condition*>& conditions, const std::vector<Condition>& all, const char* title,
+              std::vector<double> RendererScore::*member, double scale) {
+  double low = HUGE_VAL, high = 0.0;
+  for (const Condition& c : all)
+    for (const RendererScore& s : c.scores)
+      for (const double v : s.*member)
+        if (v > 0.0) low = std::min(low, scale * v), high = std::max(high, scale * v);
+  Json boxes = Json::array(), names = Json::array();
   for (const Condition* c : conditions) {
-    stiffness.groups.push_back(delayText(c->delay));
-    stiffness.values.emplace_back();
-    depth.values.emplace_back();
-    for (const RendererScore& s : c->scores) {
-      stiffness.values.back().push_back(s.stiffness);
-      depth.values.back().push_back(s.depth);
-      for (double& value : depth.values.back().back()) value *= 1e3;
-      for (double& value : stiffness.values.back().back()) value *= 1e-3;
+    names.push_back(delayText(c->delay));
+    for (std::size_t i = 0; i < c->scores.size(); ++i) {
+      std::vector<double> values = c->scores[i].*member;
+      for (double& v : values) v *= scale;
+      boxes.push_back(boxOf(names.back(), c->title(i), c->study.labels[i].style, values));
     }
   }
-  depth.groups = stiffness.groups;
-  for (const Condition& c : all)
-    for (const RendererScore& s : c.scores) {
-      for (const double value : s.stiffness)
-        if (value > 0.0) stiffness.extent.see(1e-3 * value);
-      for (const double value : s.depth)
-        if (value > 0.0) depth.extent.see(1e3 * value);
-    }
-  const std::string& where = plantTitle(any.plant);
-  page.figure(svgOf(stiffness), fmt::format("First impact stiffness on {}, scenario 1: higher is better. Boxes: "
-                                            "quartiles of the runs that have a first impact.",
-                                            where));
-  page.figure(svgOf(depth), fmt::format("Largest penetration of a run on {}, scenario 1 (as in the paper's Fig. 15): "
-                                        "lower is better. Dashed: the limit of Table II, 1 mm.",
-                                        where));
+  const Json y = high > 0.0 ? axis(title, 0.8 * low, 1.25 * high, true) : axis(title, true);
+  return panel("", 760, 300, {{"names", names}}, y, Json::array({{{"type", "boxes"}, {"boxes", boxes}}}));
 }
 
+void addBoxes(Page& page, const std::vector<const Condition*>& conditions, const std::vector<Condition>& all) {
+  const Condition& any = *conditions.front();
+  const Json legend = legendOf(any.study, true);
+  const std::string where = plantTitle(any.plant);
+  const Json stiffness = boxPanel(conditions, all, "K_d (kN/m)", &RendererScore::depthStiffness, 1e-3);
+  Json depth = boxPanel(conditions, all, "largest penetration (mm)", &RendererScore::depth, 1e3);
+  depth["layers"].push_back(level(1e3 * kTooDeep, dashed(viewer::kInk)));
+  page.figure(
+      "stiffness-" + any.plant, figure("stiffness", 1, legend, Json::array({stiffness})),
+      fmt::format("Stiffness K_d of the runs of scenario 1 on {}: higher is better. Boxes: median and quartiles.",
+                  where));
+  page.figure(
+      "depth-" + any.plant, figure("largest penetration", 1, legend, Json::array({depth})),
+      fmt::format("Largest penetration of a run on {}, scenario 1 (as in the paper's Fig. 15): lower is better. "
+                  "Dashed: the limit of Table II, 1 mm.",
+                  where));
+}
+
+std::string verdictOf(const Condition& c, const PairedComparison& k) {
+  const StudyPlan& plan = c.study.plan;
+  const bool isLost = static_cast<std::size_t>(k.lostB) == plan.points() * static_cast<std::size_t>(plan.runs);
+  return isLost && k.lostA < k.lostB ? "the rival loses every run" : verdictText(k.verdict);
+}
+
+// Add the paired comparisons of a plant: a row for each rival and delay.
 void addTests(Page& page, const std::vector<const Condition*>& conditions) {
   std::vector<std::vector<std::string>> rows;
-  for (const Condition* c : conditions) {
-    const std::size_t ours = c->study.column(ColumnKind::positionControl);
-    if (ours == c->scores.size()) continue;
-    for (std::size_t i = 0; i < c->scores.size(); ++i) {
-      if (i == ours) continue;
-      const WelchTest t = welchTest(spreadOf(c->scores[ours].depth), spreadOf(c->scores[i].depth));
-      rows.push_back({escape(c->title(i)), delayText(c->delay), meanText(spreadOf(c->scores[ours].depth), 1e6),
-                      meanText(spreadOf(c->scores[i].depth), 1e6), scoreText(t.t), scoreText(t.freedom), pText(t.p),
-                      scoreText(t.effect)});
+  Json intervals = Json::array(), names = Json::array();
+  for (const Condition* c : conditions)
+    for (const PairedComparison& k : c->pairs) {
+      if (!isStiffness(k.question)) continue;
+      const auto depth = std::find_if(c->pairs.begin(), c->pairs.end(), [&k](const PairedComparison& other) {
+        return other.b == k.b && !isStiffness(other.question);
+      });
+      rows.push_back({escape(c->title(k.b)), delayText(c->delay), timesText(k.wall), pText(k.wallAdjusted),
+                      numberText(k.wall.effect, 2),
+                      fmt::format("{} / {} / {}", k.count(PairedVerdict::better), k.count(PairedVerdict::worse),
+                                  k.count(PairedVerdict::undecided)),
+                      timesText(depth->wall), fmt::format("{} / {}", k.lostA, k.lostB), verdictOf(*c, k)});
+      if (!std::isfinite(k.wall.half)) continue;
+      names.push_back(c->title(k.b) + ", " + delayText(c->delay));
+      const Json ends =
+          numbers({std::exp(k.wall.mean), std::exp(k.wall.mean - k.wall.half), std::exp(k.wall.mean + k.wall.half)});
+      intervals.push_back(
+          {{"name", names.back()},
+           {"mean", ends[0]},
+           {"low", ends[1]},
+           {"high", ends[2]},
+           {"colour", colourText(c->study.labels[k.b].style.colour)},
+           {"text", names.back().get<std::string>() + ": " + timesText(k.wall) + " times, " + verdictText(k.verdict)}});
     }
-  }
-  page.table({"position control against", "delay", "its depth, µm", "the rival's, µm", "t", "degrees of freedom", "p",
-              "effect (Cohen's d)"},
-             rows);
+  if (rows.empty()) return;
+  const std::string reference = escape(conditions.front()->title(conditions.front()->pairs.front().a)),
+                    plant = plantTitle(conditions.front()->plant);
+  if (!intervals.empty())
+    page.figure(
+        "pairs-" + conditions.front()->plant,
+        figure("paired ratios of stiffness", 1, Json::array(),
+               Json::array({panel("", 480, 20.0 * static_cast<double>(names.size()) + 10.0,
+                                  axis("K_d over that of the rival", true), {{"names", names}},
+                                  {{{"type", "intervals"}, {"rows", intervals}},
+                                   {{"type", "mark"}, {"x", 1.0}, {"dash", {6, 4}}, {"width", 1}}})})),
+        fmt::format("K_d of {} divided by that of each rival on {}, in pairs of runs with the same random numbers, "
+                    "with 95 % intervals. Right of the dashed line {} is stiffer.",
+                    reference, plant, reference));
+  page.table(
+      {reference + " against", "delay", "times as stiff (K_d), 95 %", "p, Holm", "d_z",
+       "points: better / worse / not decided", "times as deep, 95 %", "runs lost", "verdict"},
+      rows,
+      "Scenario 1 on " + plant +
+          ": geometric means of paired ratios, Student's intervals over the runs at the query points, p adjusted "
+          "for all rows of all plants. d_z: mean over standard deviation of the logarithms at a point.");
 }
 
 // Add every figure of the tasks besides the push: one table for each condition.
@@ -160,8 +199,6 @@ void addTuned(Page& page, const StudyOptions& options) {
 }
 
 void addRanking(Page& page, const CompareOptions& options, const std::vector<Condition>& conditions) {
-  page.heading("Summary");
-  for (const std::string& plant : options.plants) page.paragraph(sentenceOf(onPlant(conditions, plant)));
   page.heading("Ranking");
   page.paragraph(
       "Rank 1 is the best. The rank is the mean of six ranks of what a hand feels. These are the depth of the tool, "
@@ -184,28 +221,12 @@ void addRanking(Page& page, const CompareOptions& options, const std::vector<Con
       "the tangential force divided by the normal force while a hand slides at 0.1 m/s. Pull is the largest pulling "
       "force while a push of 12 N turns into a pull of 1 N. Drag and pull are the worst of as many runs as a point "
       "has. Delays are in ticks.");
-  page.heading("Significance of the differences");
-  page.paragraph("Welch's test of the largest penetration in the runs of scenario 1.");
-  for (const std::string& plant : options.plants) {
-    page.paragraph("<b>" + plantTitle(plant) + "</b>");
-    addTests(page, onPlant(conditions, plant));
-  }
   addPaper(page, conditions);
 }
 
 }  // namespace
 
-const std::string& plantTitle(const std::string& plant) {
-  static const std::map<std::string, std::string> titles = {{kClosedForm, "the ideal device"},
-                                                            {kMultibody, "the device in Simbody"},
-                                                            {kImperfect, "the imperfect plant"},
-                                                            {kImperfectStiff, "the imperfect plant with stiff cables"}};
-  return titles.at(plant);
-}
-
 std::string scoreText(double value) { return std::isinf(value) ? "lost" : numberText(value); }
-
-std::string pText(double p) { return std::isnan(p) ? "–" : p < 1e-4 ? "&lt; 0.0001" : fmt::format("{:.4f}", p); }
 
 std::vector<const Condition*> onPlant(const std::vector<Condition>& conditions, const std::string& plant) {
   std::vector<const Condition*> found;
@@ -223,41 +244,81 @@ std::string sentenceOf(const std::vector<const Condition*>& conditions) {
     winners += fmt::format("{}{} ranks first at {} of {} delays", winners.empty() ? "" : ", ", title, count,
                            conditions.size());
   std::string text = fmt::format("On {}: {}.", plantTitle(conditions.front()->plant), winners);
-  double least = std::numeric_limits<double>::infinity(), most = 0.0, p = 0.0;
-  int lost = 0, runs = 0, compared = 0;
+  double least = HUGE_VAL, most = 0.0;
+  int lost = 0, runs = 0, compared = 0, open = 0;
   for (const Condition* c : conditions) {
     const std::size_t ours = c->study.column(ColumnKind::positionControl);
     if (ours == c->scores.size()) return text;
-    const RendererScore& mine = c->scores[ours];
-    lost += mine.lost;
-    runs += mine.runs;
-    const RendererScore* rival = nullptr;
-    for (std::size_t i = 0; i < c->scores.size(); ++i)
-      if (const RendererScore& s = c->scores[i]; i != ours && s.lost == 0 && s.stiffness.size() > 1 &&
-                                                 (rival == nullptr || meanOf(s.stiffness) > meanOf(rival->stiffness)))
-        rival = &s;
-    if (rival == nullptr || mine.lost > 0 || mine.stiffness.size() < 2) continue;
-    const double ratio = meanOf(mine.stiffness) / meanOf(rival->stiffness);
-    least = std::min(least, ratio);
-    most = std::max(most, ratio);
-    p = std::max(p, welchTest(spreadOf(mine.stiffness), spreadOf(rival->stiffness)).p);
+    lost += c->scores[ours].lost;
+    runs += c->scores[ours].runs;
+    const PairedComparison* rival = nullptr;  // the stiffest one that loses no run
+    for (const PairedComparison& k : c->pairs)
+      if (isStiffness(k.question) && c->scores[ours].lost == 0 && c->scores[k.b].lost == 0 &&
+          std::isfinite(k.wall.half) && (rival == nullptr || k.wall.mean < rival->wall.mean))
+        rival = &k;
+    if (rival == nullptr) continue;
     ++compared;
+    open += rival->verdict == PairedVerdict::undecided;
+    least = std::min(least, std::exp(rival->wall.mean));
+    most = std::max(most, std::exp(rival->wall.mean));
   }
   if (compared > 0)
     text += fmt::format(
-        " The walls of position control are {} times as stiff as those of the stiffest rival that loses no run ({} "
-        "delay{}; Welch: p {} {:.1g}).",
+        " The walls of position control are {} times as stiff (K_d) as those of the stiffest rival that loses no run "
+        "({} "
+        "delay{}{}).",
         fmt::format(compared == 1 ? "{:.2g}" : "{:.2g} to {:.2g}", least, most), compared, compared == 1 ? "" : "s",
-        p < 1e-4 ? "&lt;" : "up to", std::max(p, 1e-4));
+        open > 0 ? fmt::format("; not decided at {}", open) : "; no 95 % interval contains 1");
   if (lost > 0) text += fmt::format(" Position control loses {} of {} runs.", lost, runs);
   return text;
 }
+
+namespace {
+
+// The first screen: which renderer is stiffer, by how much, where not, and what that assumes.
+void addSummary(Page& page, const CompareOptions& options, const std::vector<Condition>& conditions) {
+  std::vector<std::string> items;
+  for (const std::string& plant : options.plants) items.push_back(sentenceOf(onPlant(conditions, plant)));
+  std::vector<std::string> others;
+  for (const Condition& c : conditions)
+    for (const PairedComparison& k : c.pairs)
+      if (isStiffness(k.question) && k.verdict != PairedVerdict::better)
+        others.push_back(fmt::format("{} on {}, {} ({})", escape(c.title(k.b)), plantTitle(c.plant), delayText(c.delay),
+                                     verdictOf(c, k)));
+  if (!conditions.front().pairs.empty())
+    items.push_back("Rivals that " + escape(conditions.front().title(conditions.front().pairs.front().a)) +
+                    " is not found to beat in stiffness: " + (others.empty() ? "none" : join(others, "; ")) + ".");
+  page.paragraph(
+      fmt::format("Compared in simulation: {} renderers on a virtual wall. A simulated person pushes the tool into the "
+                  "wall with the "
+                  "same random forces for every renderer. Stiffness K_d is the force of a sudden push divided by the "
+                  "depth that the "
+                  "tool reaches in 0.1 s.",
+                  conditions.front().scores.size()));
+  page.list(items);
+  for (const std::string& plant : options.plants) addTests(page, onPlant(conditions, plant));
+}
+
+void addOrigin(Page& page, const Study& any, const std::vector<Condition>& conditions) {
+  page.note(
+      "All results are from simulation; no hardware was involved. Intervals have 95 % and cover the random forces "
+      "and noise at these query points, not other devices.");
+  page.note("Command: <code class=\"command\">" + escape(shellText("compare", any.options.arguments)) + "</code>");
+  page.note(fmt::format("Enamel {}, seed {}, device file with CRC-32 {}.", ENAMEL_VERSION, any.plan.setup.seed,
+                        Json::parse(any.manifest).at("device").at("CRC-32").get<std::string>()));
+  if (conditions.front().scores.front().runs > 0) page.download("compare.csv", comparisonTable(conditions));
+  page.download("tasks.csv", tasksTable(conditions));
+}
+
+}  // namespace
 
 std::string pageOf(const CompareOptions& options, const std::vector<Condition>& conditions) {
   Page page;
   const Study& any = conditions.front().study;
   const StudyPlan& plan = any.plan;
   const bool pushes = conditions.front().scores.front().runs > 0;
+  if (pushes) addSummary(page, options, conditions);
+  addOrigin(page, any, conditions);
   if (pushes) addRanking(page, options, conditions);
   addTasks(page, conditions);
   addTuned(page, any.options);

@@ -8,21 +8,15 @@ namespace enamel::app {
 
 inline constexpr double kTooDeep = 1e-3;  ///< m: limit of the paper's Table II
 
-/// Return the title of a plant.
-const std::string& plantTitle(const std::string& plant);
-
 inline double meanOf(const std::vector<double>& values) { return spreadOf(values).mean; }
 
 /// Return "lost" for an infinite value.
 std::string scoreText(double value);
 
-/// Return a probability as text; "–" for a missing value.
-std::string pText(double p);
-
 /// Return true for hold and position control, which the paper's comparison sets against its spring.
 bool isPositionBased(ColumnKind kind);
 
-/// Add the paper's claims with their verdicts, and tables in the form of its Tables III and IV.
+/// Add the paper's claims with their verdicts, and a table in the form of its Table III.
 void addPaper(Page& page, const std::vector<Condition>& conditions);
 
 }  // namespace enamel::app

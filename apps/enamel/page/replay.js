@@ -40,7 +40,14 @@ function before(times, t) {
 }
 
 const colourOf = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-const sideColour = i => colourOf(i === 0 ? '--a' : '--b');
+
+// Return the colour of a side's renderer, lighter on a dark page. If both sides have one renderer, the second is grey.
+function sideColour(side) {
+  if (side.isRepeated) return colourOf('--muted');
+  const dark = matchMedia('(prefers-color-scheme: dark)').matches;
+  const channel = shift => side.data.colour >> shift & 255, lighter = c => dark ? c + 0.4 * (255 - c) : c;
+  return `rgb(${[16, 8, 0].map(shift => Math.round(lighter(channel(shift)))).join(' ')})`;
+}
 
 function geometryOf(mesh) {
   const places = new Float32Array(mesh.places.length);
@@ -123,7 +130,8 @@ class Arrow {
 // motion.
 class Side {
   constructor(data, number, first) {
-    Object.assign(this, {data, number, layers: data.poses ? undefined : first.layers});
+    Object.assign(this, {data, number, layers: data.poses ? undefined : first.layers,
+      isRepeated: first !== undefined && first.data.colour === data.colour});
     if (data.poses) this.makeScene();
     this.makePanel();
   }
@@ -194,7 +202,7 @@ class Side {
     const panel = document.createElement('section');
     const heading = document.createElement('h2');
     heading.textContent = this.data.title;
-    heading.style.color = sideColour(this.number);
+    heading.style.color = sideColour(this);
     const list = document.createElement('dl');
     const row = (name, colour) => {
       const term = document.createElement('dt'), value = document.createElement('dd');
@@ -315,7 +323,7 @@ class Chart {
       c.fillText(s.toFixed(second < 1 ? 1 : 0) + (s === 0 ? ' s' : ''), x(s), bottom + 5);
     for (const side of this.sides) {
       const {low, high} = side.data[this.key], bucket = side.data.bucket;
-      c.fillStyle = c.strokeStyle = sideColour(side.number);
+      c.fillStyle = c.strokeStyle = sideColour(side);
       c.lineWidth = 1.3;
       c.lineJoin = 'round';
       // Draw the range of all values in each column of pixels.

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 
+#include "colours/renderers.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/render/hold.hpp"
@@ -17,7 +18,6 @@
 #include "enamel/study/controllers.hpp"
 #include "enamel/study/parallel.hpp"
 #include "program/plugin_folder.hpp"
-#include "study/hash.hpp"
 
 namespace enamel::app {
 namespace {
@@ -66,10 +66,16 @@ struct RendererChoice {
 };
 
 RendererChoice choiceOf(const std::string& text) {
-  if (text.rfind(kTuned, 0) == 0)
-    return {ColumnKind::rival, text, rivalSpec(text.substr(std::strlen(kTuned))).title, "", nullptr};
-  if (text == kEdge) return {ColumnKind::edge, text, "impedance at the edge of eq. 16", "", nullptr};
-  if (text == kScheduled) return {ColumnKind::scheduled, text, "scheduled hold", "", nullptr};
+  if (text.rfind(kTuned, 0) == 0) {
+    const viewer::RendererLook* look = viewer::lookOf(text);
+    const std::string title = rivalSpec(text.substr(std::strlen(kTuned))).title;
+    return {ColumnKind::rival, text, look != nullptr ? look->title : title, "", nullptr};
+  }
+  const auto listed = [&text](ColumnKind kind) {
+    return RendererChoice{kind, text, viewer::lookOf(text)->title, "", nullptr};
+  };
+  if (text == kEdge) return listed(ColumnKind::edge);
+  if (text == kScheduled) return listed(ColumnKind::scheduled);
   if (const std::filesystem::path path = std::filesystem::u8path(text); path.extension() == ".json") {
     const std::string name = path.stem().u8string();
     return {ColumnKind::hold, name, name, text, nullptr};
@@ -77,10 +83,19 @@ RendererChoice choiceOf(const std::string& text) {
   const RendererSource source = findRenderer(text, pluginFolder());
   if (source.plugin)
     return {ColumnKind::plugin, source.name + " (plugin)", source.name + " (plugin)", "", source.plugin};
-  if (text == kImpedance) return {ColumnKind::impedance, text, "impedance", "", nullptr};
-  if (text == kPassivity) return {ColumnKind::passivity, text, "impedance with passivity control", "", nullptr};
-  if (text == kHold) return {ColumnKind::hold, text, "hold", "", nullptr};
-  return {ColumnKind::positionControl, text, "position control", "", nullptr};
+  return listed(text == kImpedance   ? ColumnKind::impedance
+                : text == kPassivity ? ColumnKind::passivity
+                : text == kHold      ? ColumnKind::hold
+                                     : ColumnKind::positionControl);
+}
+
+// Return the style of a column: that of its renderer, or the next one of the others.
+Style styleOf(const RendererChoice& choice, std::size_t& others) {
+  const viewer::RendererLook* look = choice.kind == ColumnKind::plugin ? nullptr : viewer::lookOf(choice.name);
+  if (look == nullptr) look = &viewer::kOtherLooks[others++ % std::size(viewer::kOtherLooks)];
+  Style style{look->colour, {}, 2.0};
+  if (look->dash[0] > 0) style.dash = {look->dash[0], look->dash[1]};
+  return style;
 }
 
 // Makes the renderers of plugins. Each receives those parameters of --set that it has.
@@ -123,6 +138,12 @@ std::vector<double> valuesFor(const std::string& path, const std::string& rival,
   throw Error(fmt::format("{}: has no values of {} for a delay of {} to {} ticks", path, rival, delay.low, delay.high));
 }
 
+std::string checksumOfValues(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) text += fmt::format("{} ", value);
+  return checksumOf(text);
+}
+
 // Makes the renderer of a column for a query point.
 using Make = std::function<std::unique_ptr<Renderer>(std::size_t point)>;
 
@@ -147,7 +168,7 @@ Make rival(const Study& study, const std::string& column, ColumnRecords& records
   const PushSetup& setup = study.plan.setup;
   const ControllerSpec& spec = rivalSpec(column.substr(std::strlen(kTuned)));
   const std::vector<double> values = valuesFor(options.tuned, spec.name, setup.delay);
-  records.servos[column] = hashOf(values);
+  records.servos[column] = checksumOfValues(values);
   return [make = spec.with({study.design, setup.period, setup.delay}, values)](std::size_t) { return make(); };
 }
 
@@ -173,7 +194,9 @@ Make hold(const Study& study, std::size_t c, ColumnRecords& records) {
     });
   else
     gains[0] = file.empty() ? ServoGain(study.home->K) : loadGain(file, study.mechanism->joints(), period);
-  records.servos[plan.columns[c].name] = hashOf(gains);
+  std::vector<double> entries;
+  for (const ServoGain& gain : gains) entries.insert(entries.end(), gain.data(), gain.data() + gain.size());
+  records.servos[plan.columns[c].name] = checksumOfValues(entries);
   HoldOptions servo;
   servo.release = study.options.release;
   return [gains = std::move(gains), period, servo](std::size_t point) {
@@ -213,6 +236,7 @@ void addColumns(Study& study, ColumnRecords& records) {
   StudyPlan& plan = study.plan;
   Plugins plugins(options);
   DampingOption damping(options.deviceDamping);
+  std::size_t others = 0;  // renderers without a look of their own
   for (const std::string& text : options.renderers) {
     const RendererChoice choice = choiceOf(text);
     if (choice.name.find_first_of(",\"") != std::string::npos || printable(choice.name) != choice.name)
@@ -235,7 +259,7 @@ void addColumns(Study& study, ColumnRecords& records) {
     records.dampings[choice.name] = more;
     if (choice.plugin) column.make = plugins.make(choice, records);
     plan.columns.push_back(std::move(column));
-    study.labels.push_back({choice.kind, choice.title, whole, choice.servo});
+    study.labels.push_back({choice.kind, choice.title, whole, choice.servo, styleOf(choice, others)});
   }
   plugins.requireAllUsed();
   // The default may name a renderer that this study does not have.

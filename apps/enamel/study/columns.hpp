@@ -11,7 +11,7 @@ namespace enamel::app {
 struct ColumnRecords {
   nlohmann::ordered_json plugins = nlohmann::ordered_json::object();   ///< version and parameters
   nlohmann::ordered_json dampings = nlohmann::ordered_json::object();  ///< --device-damping, N s/m
-  nlohmann::ordered_json servos = nlohmann::ordered_json::object();    ///< hashes of the linked renderers' servos
+  nlohmann::ordered_json servos = nlohmann::ordered_json::object();    ///< CRC-32 of the linked renderers' servos
 };
 
 /// Fill the plan's columns and their labels: names, plants, and the renderers of plugins. Needs the device, the plan's

@@ -13,69 +13,73 @@ namespace {
 
 // ---- the impedance wall's stability (RQ 2) -------------------------------------------------------------------------
 
+constexpr int kDelays = 4;
+constexpr unsigned kStable = 0x9CC9E6, kUnstable = 0xF0B27A;
+
+// Return the edges of `count` cells of a logarithmic axis.
+std::vector<double> edgesOf(double low, double high, int count) {
+  std::vector<double> edges;
+  for (int i = 0; i <= count; ++i) edges.push_back(low * std::pow(high / low, static_cast<double>(i) / count));
+  return edges;
+}
+
+std::vector<double> middlesOf(const std::vector<double>& edges, double scale) {
+  std::vector<double> middles;
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) middles.push_back(scale * std::sqrt(edges[i] * edges[i + 1]));
+  return middles;
+}
+
 Figure stabilityFigure(const Study& study) {
   const WallDevice device = wallDeviceOf(study);
-  constexpr int kColumns = 62, kRows = 40, kDelays = 4;
-  constexpr const char *kStable = "#9cc9e6", *kUnstable = "#f0b27a";
-  Axis kAxis{"rendered stiffness K (kN/m)", 0.5, 100.0, true}, bAxis{"rendered damping B (N s/m)", 0.1, 100.0, true};
-  // Return the edges and centres of `count` cells, alternating.
-  const auto edges = [](const Axis& axis, int count) {
-    std::vector<double> at;
-    for (int i = 0; i <= 2 * count; ++i) at.push_back(axis.low * std::pow(axis.high / axis.low, 0.5 * i / count));
-    return at;
-  };
-  const std::vector<double> kEdges = edges(kAxis, kColumns), bEdges = edges(bAxis, kRows);
-  std::vector<double> stiffnesses, dampings;
-  for (int i = 0; i < kColumns; ++i) stiffnesses.push_back(1e3 * kEdges[static_cast<std::size_t>(2 * i + 1)]);
-  for (int i = 0; i < kRows; ++i) dampings.push_back(bEdges[static_cast<std::size_t>(2 * i + 1)]);
-  const std::vector<WallStability> map = mapWallStability(device, stiffnesses, dampings, {0, 1, 2, 3});
-  Svg svg;
-  constexpr double kLeft = 66.0, kWide = 345.0, kHigh = 220.0;
-  addLegend(svg, {kLeft, 0.0}, Svg::kWidth,
-            {{"stable", {kStable}, true}, {"unstable", {kUnstable}, true}, {"bound of eq. 16", {kInk, 2.5}}});
+  const std::vector<double> ks = edgesOf(0.5, 100.0, 62), bs = edgesOf(0.1, 100.0, 40);  // kN/m, N s/m
+  const std::vector<WallStability> map = mapWallStability(device, middlesOf(ks, 1e3), middlesOf(bs, 1.0), {0, 1, 2, 3});
+  std::vector<double> boundKs, boundBs;  // eq. 16: b = K Ts / 2 + B
+  for (int s = 0; s <= 200; ++s) {
+    boundBs.push_back(bs.front() * std::pow(device.damping / bs.front(), s / 200.0));
+    boundKs.push_back(1e-3 * 2.0 * (device.damping - boundBs.back()) / device.period);
+  }
+  Json panels = Json::array();
   std::vector<std::string> stiffest;
   for (int delay = 0; delay < kDelays; ++delay) {
-    const int column = delay % 2, row = delay / 2;
-    kAxis.numbers = row == 1;
-    bAxis.numbers = column == 0;
-    const Place corner{kLeft + column * (kWide + 30.0), 52.0 + row * (kHigh + 34.0)};
-    Panel panel(svg, corner, kWide, kHigh, kAxis, bAxis,
-                delay == 0   ? "no delay"
-                : delay == 1 ? "1 tick of delay"
-                             : fmt::format("{} ticks of delay", delay),
-                false);
-    svg.box(corner, kWide, kHigh, kUnstable, "", fmt::format("stroke=\"{}\"", kMuted));
-    svg.openGroup("shape-rendering=\"crispEdges\"");
-    int i = 0;
-    double begin = 0.0, most = 0.0;  // of the stable cells: start of the current run in a row; largest K
-    for (const WallStability& w : map) {
-      if (w.wall.delay != delay) continue;
-      const int k = i % kColumns, b = i / kColumns;
-      ++i;
-      if (w.stable) most = std::max(most, 1e-3 * w.wall.stiffness);
-      if (w.stable && (k == 0 || begin == 0.0)) begin = kEdges[static_cast<std::size_t>(2 * k)];
-      const bool ends = k + 1 == kColumns;
-      if (begin > 0.0 && (!w.stable || ends)) {
-        const Place from = panel.at(begin, bEdges[static_cast<std::size_t>(2 * b + 2)]),
-                    to = panel.at(kEdges[static_cast<std::size_t>(2 * k + (w.stable ? 2 : 0))],
-                                  bEdges[static_cast<std::size_t>(2 * b)]);
-        svg.box(from, to.x - from.x, to.y - from.y, kStable);
-        begin = 0.0;
-      }
+    Json cells = Json::array();
+    double most = 0.0;  // kN/m
+    const std::size_t columns = ks.size() - 1;
+    std::vector<const WallStability*> walls;
+    for (const WallStability& w : map)
+      if (w.wall.delay == delay) walls.push_back(&w);
+    for (std::size_t from = 0, to = 0; from < walls.size(); from = to) {  // equal cells of a row are one box
+      const std::size_t row = from / columns;
+      while (to < walls.size() && to / columns == row && walls[to]->stable == walls[from]->stable) ++to;
+      if (walls[from]->stable) most = std::max(most, 1e-3 * walls[to - 1]->wall.stiffness);
+      const Json ends = numbers({ks[from % columns], ks[(to - 1) % columns + 1], bs[row], bs[row + 1]});
+      cells.push_back({{"x0", ends[0]},
+                       {"x1", ends[1]},
+                       {"y0", ends[2]},
+                       {"y1", ends[3]},
+                       {"colour", colourText(walls[from]->stable ? kStable : kUnstable)}});
     }
-    svg.closeGroup();
     stiffest.push_back(most > 0.0 ? numberText(most, 2) : "none");
-    // Bound of eq. 16: b = K Ts / 2 + B.
-    std::vector<double> ks, bs;
-    for (int s = 0; s <= 200; ++s) {
-      const double b = bAxis.low * std::pow(device.damping / bAxis.low, s / 200.0);
-      bs.push_back(b);
-      ks.push_back(1e-3 * 2.0 * (device.damping - b) / device.period);
-    }
-    panel.curve(ks, bs, {kInk, 2.5});
+    Json x = axis("rendered stiffness K (kN/m)", ks.front(), ks.back(), true),
+         y = axis("rendered damping B (N s/m)", bs.front(), bs.back(), true);
+    x["numbers"] = delay >= 2;
+    y["numbers"] = delay % 2 == 0;
+    panels.push_back({{"title", "delay: " + delayText(delay == 0 ? "none" : fmt::format("constant:{}", delay))},
+                      {"width", 345},
+                      {"height", 220},
+                      {"x", x},
+                      {"y", y},
+                      {"layers",
+                       {{{"type", "cells"}, {"cells", cells}},
+                        line("bound of eq. 16: K (kN/m)", numbers(boundKs), boundBs, {viewer::kInk, {}, 2.5})}}});
   }
   return {
-      "impedance-stability", svg.whole("stability of a spring-damper wall", 52.0 + 2.0 * kHigh + 34.0 + 46.0),
+      "impedance-stability",
+      {{"label", "stability of a spring-damper wall"},
+       {"columns", 2},
+       {"legend",
+        {entry("stable", {kStable}, true), entry("unstable", {kUnstable}, true),
+         entry("bound of eq. 16", {viewer::kInk}, true)}},
+       {"panels", panels}},
       fmt::format(
           "Stability of a wall that is rendered as a spring K with a damper B on this device. In simulation, the "
           "motion after a push of 12 N decays within 3 s (effective mass {} kg, mechanical damping {} N s/m, ticks of "
@@ -87,47 +91,41 @@ Figure stabilityFigure(const Study& study) {
 // ---- speed against error -------------------------------------------------------------------------------------------
 
 Figure convergenceFigure(const Convergence& c) {
-  const struct {
-    Integrator integrator;
-    const char* colour;
-  } shown[] = {
-      {Integrator::semiImplicitEuler, kVermilion}, {Integrator::midpoint, kOrange}, {Integrator::rungeKutta4, kBlue}};
-  Extent time, metric, path;
-  const auto drawn = [](const MethodError& m) { return std::isfinite(m.worst) && m.worst > 0.0 && m.trajectory > 0.0; };
-  for (const MethodError& m : c.methods) {
-    if (!drawn(m)) continue;
-    time.see(1e3 * m.secondsPerSecond);
-    metric.see(m.worst);
-    path.see(m.trajectory);
-  }
-  metric.see(c.allowed);
-  Svg svg;
-  constexpr double kWide = 300.0, kHigh = 270.0, kLefts[] = {80.0, 490.0};
-  std::vector<LegendEntry> entries;
-  for (const auto& s : shown) entries.push_back({nameOf(s.integrator), {s.colour, 2.0}});
-  const double top = addLegend(svg, {kLefts[0], 0.0}, Svg::kWidth, entries) + 8.0;
-  const Axis x = time.axis("processor time (ms per simulated s)", 0.12, true);
-  Panel left(svg, {kLefts[0], top}, kWide, kHigh, x, metric.axis("largest relative error of a metric", 0.08, true)),
-      right(svg, {kLefts[1], top}, kWide, kHigh, x, path.axis("largest error of position (m)", 0.08, true));
-  left.level(c.allowed, {kInk, 1.2, true});
-  for (const auto& s : shown) {
+  const std::pair<Integrator, unsigned> shown[] = {{Integrator::semiImplicitEuler, viewer::kVermilion},
+                                                   {Integrator::midpoint, viewer::kOrange},
+                                                   {Integrator::rungeKutta4, viewer::kBlue}};
+  Json left = Json::array(), right = Json::array(), legend = Json::array();
+  left.push_back(level(c.allowed, dashed(viewer::kInk)));
+  for (const auto& [integrator, colour] : shown) {
     std::vector<double> times, metrics, paths;
     for (const MethodError& m : c.methods) {
-      if (m.method.integrator != s.integrator || !drawn(m)) continue;
+      if (m.method.integrator != integrator || !std::isfinite(m.worst) || !(m.worst > 0.0) || !(m.trajectory > 0.0))
+        continue;
       times.push_back(1e3 * m.secondsPerSecond);
       metrics.push_back(m.worst);
       paths.push_back(m.trajectory);
     }
-    left.curve(times, metrics, {s.colour, 1.6}, true);
-    right.curve(times, paths, {s.colour, 1.6}, true);
+    legend.push_back(entry(nameOf(integrator), {colour}));
+    for (const auto& [layers, ys] : {std::pair(&left, &metrics), std::pair(&right, &paths)}) {
+      layers->push_back(line(nameOf(integrator), numbers(times), *ys, {colour, {}, 1.6}));
+      layers->back()["marks"] = true;
+    }
   }
+  Json time = axis("processor time (ms per simulated s)", true);
+  time["share"] = "time";
+  const auto panel = [&time](const char* title, const Json& layers) {
+    return Json{{"width", 330}, {"height", 270}, {"x", time}, {"y", axis(title, true)}, {"layers", layers}};
+  };
   return {
-      "convergence", svg.whole("speed against error", top + kHigh + 46.0),
-      fmt::format(
-          "Speed against error of the integration: 1, 2, 4 and 8 steps a tick from left to right, against {} with {} "
-          "steps; a method that misses an event is not drawn. Dashed: the allowed error, {} %. The best method is the "
-          "fastest below this line.",
-          nameOf(c.reference.integrator), c.reference.substeps, givenText(100.0 * c.allowed))};
+      "convergence",
+      {{"label", "speed against error"},
+       {"columns", 2},
+       {"legend", legend},
+       {"panels", {panel("largest relative error of a metric", left), panel("largest error of position (m)", right)}}},
+      fmt::format("Speed against error of the integration: 1, 2, 4 and 8 steps a tick from left to right, against "
+                  "{} with {} steps; a method that misses an event is not drawn. Dashed: the allowed error, {} %. "
+                  "The best method is the fastest below this line.",
+                  nameOf(c.reference.integrator), c.reference.substeps, givenText(100.0 * c.allowed))};
 }
 
 }  // namespace
@@ -137,23 +135,6 @@ WallDevice wallDeviceOf(const Study& study) {
   const double damping = study.labels[spring < study.labels.size() ? spring : 0].damping;
   const Kinematics& home = study.mechanism->home();
   return {effectiveMass(home, home.pose.position, Vec3::UnitZ()), damping, study.plan.setup.period};
-}
-
-std::string colourOf(const Study& study, std::size_t column) {
-  switch (study.labels[column].kind) {
-    case ColumnKind::positionControl: return kBlue;
-    case ColumnKind::hold: return kGreen;
-    case ColumnKind::impedance: return kVermilion;
-    case ColumnKind::passivity: return kMuted;
-    case ColumnKind::scheduled: return kOrange;
-    case ColumnKind::edge:
-    case ColumnKind::rival:
-    case ColumnKind::plugin: break;
-  }
-  const char* const others[] = {kPurple, kSky, kBrown, kInk};
-  std::size_t before = 0;
-  for (std::size_t c = 0; c < column; ++c) before += study.labels[c].kind >= ColumnKind::edge;
-  return others[before % std::size(others)];
 }
 
 std::string join(const std::vector<std::string>& parts, const std::string& between) {
@@ -166,10 +147,11 @@ std::vector<Figure> figuresOf(const Study& study, const Findings& findings) {
   std::vector<Figure> figures;
   if (findings.whole) {
     const std::vector<int>& scenarios = study.plan.scenarios;
+    const bool hasStep = std::count(scenarios.begin(), scenarios.end(), 1) > 0;
+    figures.push_back(stiffnessBoxes(study, findings));
     figures.push_back(deviceFigure(study));
     for (const int scenario : scenarios) figures.push_back(responseFigure(study, scenario));
-    if (std::count(scenarios.begin(), scenarios.end(), 1) > 0) figures.push_back(firstImpactMap(study, findings));
-    if (study.plan.grid > 1) figures.push_back(alongYFigure(study, findings));
+    if (hasStep) figures.push_back(firstImpactMap(study, findings));
     if (study.column(ColumnKind::hold) < study.plan.columns.size()) figures.push_back(torqueFigure(study));
     for (const int scenario : scenarios) figures.push_back(steadyMap(study, findings, scenario));
     if (wallDeviceOf(study).damping > 0.0) figures.push_back(stabilityFigure(study));

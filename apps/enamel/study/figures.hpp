@@ -4,9 +4,10 @@
 #include <optional>
 
 #include "enamel/control/impedance_map.hpp"
+#include "enamel/study/paired.hpp"
 #include "study/convergence.hpp"
+#include "study/plot.hpp"
 #include "study/study.hpp"
-#include "study/survey.hpp"
 
 namespace enamel::app {
 
@@ -14,14 +15,15 @@ namespace enamel::app {
 struct Findings {
   std::vector<PointStatistics> points;
   std::vector<WallSummary> walls;
+  std::vector<PairedComparison> pairs;  ///< reportQuestions() of referenceOf() and each other column
   std::vector<Claim> claims;
-  Survey survey;
   std::optional<Convergence> convergence;
   bool whole = true;  ///< false: only the convergence
 };
 
 struct Figure {
-  std::string name, svg;
+  std::string name;
+  Json plot;            ///< for page/figures.js
   std::string caption;  ///< HTML
 };
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "enamel/study/welch.hpp"
+#include "enamel/study/paired.hpp"
 
 namespace enamel::app {
 namespace {
@@ -51,15 +51,7 @@ std::string numberText(double value, int digits) {
 
 std::string givenText(double value) { return fmt::format("{:.6g}", value); }
 
-double halfInterval(const Spread& spread) {
-  if (spread.count < 2) return std::nan("");
-  double low = 0.0, high = 100.0;  // bisection for Student's t; one degree of freedom needs 12.7
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (studentBeyond(middle, spread.count - 1) > 0.05 ? low : high) = middle;
-  }
-  return high * spread.deviation / std::sqrt(spread.count);
-}
+double halfInterval(const Spread& spread) { return meanDifference(spread).half; }
 
 std::string meanText(double mean, double half) {
   if (!std::isfinite(mean)) return "–";

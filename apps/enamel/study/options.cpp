@@ -97,4 +97,36 @@ void takeRank(const CLI::App& command, StudyOptions& options) {
                 " to start parts again");
 }
 
+std::vector<std::string> argumentsOf(const CLI::App& command) {
+  std::vector<std::string> arguments;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0 || option->get_lnames().empty()) continue;
+    const std::string name = "--" + option->get_lnames().front();
+    if (name == "--output" || name == "--threads" || name == "--part" || name == "--resume" || name == "--overwrite")
+      continue;
+    const bool isFlag = option->get_items_expected_max() == 0, isList = option->get_delimiter() != '\0';
+    for (const std::string& value : isFlag ? std::vector<std::string>{""} : option->results())
+      if (isList && value != option->results().front()) {
+        arguments.back() += option->get_delimiter() + value;
+      } else {
+        arguments.push_back(name);
+        if (!isFlag) arguments.push_back(value);
+      }
+  }
+  return arguments;
+}
+
+std::string shellText(const std::string& command, const std::vector<std::string>& arguments) {
+  std::string text = "enamel " + command;
+  for (const std::string& argument : arguments) {
+    const bool isPlain = argument.find_first_not_of(
+                             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                             "-_=:,./+") == std::string::npos;
+    std::string quoted;
+    for (const char c : argument) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    text += ' ' + (isPlain && !argument.empty() ? argument : "'" + quoted + "'");
+  }
+  return text;
+}
+
 }  // namespace enamel::app

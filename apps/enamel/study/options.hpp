@@ -45,6 +45,7 @@ struct StudyOptions {
   int part = 1, parts = 1;                ///< this process performs part `part` of `parts` of the runs
   bool convergence = true, whole = true;  ///< perform the convergence study; everything else
   bool guard = true;                      ///< run the guard in the loop
+  std::vector<std::string> arguments;     ///< of the command, as argumentsOf()
   bool release = false;                   ///< the hold ends when the wall would pull; the paper's hold never ends
 };
 
@@ -53,6 +54,16 @@ void addStudyOptions(CLI::App& command, const std::shared_ptr<StudyOptions>& opt
 
 /// Derive the part from the rank if Open MPI started the process and --part is not given.
 void takeRank(const CLI::App& command, StudyOptions& options);
+
+/// Return the given options of a command in its own order, except those that do not change the results: --output,
+/// --threads, --part, --resume, --overwrite.
+std::vector<std::string> argumentsOf(const CLI::App& command);
+
+/// Return a command as one types it in a shell.
+std::string shellText(const std::string& command, const std::vector<std::string>& arguments);
+
+/// Repeat a sample of the runs in a study's folder and compare all bits. Throws Error: another study, a difference.
+void verifyStudy(StudyOptions options);
 
 /// Perform the study and write its folder. Throws Error, and Exit after a signal.
 void runStudy(StudyOptions options);

@@ -9,12 +9,9 @@
 #include "json_matrices.hpp"
 #include "plant_option.hpp"
 #include "study/columns.hpp"
-#include "study/hash.hpp"
 
 namespace enamel::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kRateNames[] = {"exact", "difference", "lowPass"};
 constexpr const char* kIntegratorNames[] = {"rungeKutta4", "midpoint", "semiImplicitEuler"};
@@ -118,13 +115,13 @@ std::string manifestOf(const Study& study, const SourceTexts& texts, const Colum
   m["guide"] = setup.hand.guide;
   m["F_c [N]"] = {plan.lowestForce, plan.highestForce};
   m["half width [m]"] = plan.halfWidth;
-  if (!options.scene.empty()) m["scene"] = hashOf(texts.scene);
+  if (!options.scene.empty()) m["scene"] = checksumOf(texts.scene);
   m["integrator"] = kIntegratorNames[static_cast<int>(setup.integrator)];
   m["substeps"] = setup.substeps;
   m["impedance"] = {{"stiffness [N/m]", options.impedance.stiffness}, {"damping [N s/m]", options.impedance.damping}};
-  m["device"] = {{"name", nameOf(study.device)}, {"hash", hashOf(texts.device)}};
+  m["device"] = {{"name", nameOf(study.device)}, {"CRC-32", checksumOf(texts.device)}};
   m["device damping [N s/m]"] = records.dampings;
-  m["design device"] = {{"name", nameOf(study.designDevice)}, {"hash", hashOf(texts.designDevice)}};
+  m["design device"] = {{"name", nameOf(study.designDevice)}, {"CRC-32", checksumOf(texts.designDevice)}};
   if (options.inertia != 1.0) m["inertia of the model"] = options.inertia;
   m["gain"] = options.gain.empty() ? "none given" : "given for hold";
   m["servo gains"] = records.servos;

@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "design_results.hpp"
+#include "study/figure_parts.hpp"
 #include "study/numbers.hpp"
+#include "study/pairs.hpp"
 #include "study/report_parts.hpp"
 
 namespace enamel::app {
@@ -16,17 +18,17 @@ namespace {
 // Add the figures whose names begin with `prefix`.
 void addFigures(Page& page, const std::vector<Figure>& figures, const std::string& prefix) {
   for (const Figure& f : figures)
-    if (f.name.rfind(prefix, 0) == 0) page.figure(f.svg, f.caption);
+    if (f.name.rfind(prefix, 0) == 0) page.figure(f.name, f.plot, f.caption);
 }
 
 void addClaims(Page& page, const std::vector<Claim>& claims) {
   if (claims.empty()) return;
   page.heading("The paper's claims for its servo (hold) and for position control");
   std::vector<std::vector<std::string>> rows;
-  for (const Claim& c : claims)
-    rows.push_back({escape(c.text), escape(c.measured), c.holds ? "holds" : "does not hold"});
+  for (const Claim& c : claims) rows.push_back({escape(c.text), escape(c.measured), c.verdict});
   page.table({"claim", "measured", ""}, rows,
-             "The claims of the paper's section VI, each with its number at the worst query point.");
+             "The claims of the paper's section VI. A claim about query points holds only if the paired difference "
+             "excludes the opposite at every one of them (Holm's p below 0.05).");
 }
 
 // The paper's Table II.
@@ -46,24 +48,14 @@ void addRequirements(Page& page, const Study& study) {
                   study.options.gain.empty() ? ". The paper's weights were found for another device" : ""));
 }
 
-void addSpringLimits(Page& page, const Study& study, const Findings& findings, const std::vector<Figure>& figures) {
+void addSpringLimits(Page& page, const Study& study, const std::vector<Figure>& figures) {
   const ImpedanceOptions& spring = study.options.impedance;
   const WallDevice wall = wallDeviceOf(study);
   if (wall.damping > 0.0) {
     page.heading("The stiffest passive spring");
     addFigures(page, figures, "impedance-stability");
-    const double passive = 2.0 * wall.damping / wall.period;
-    std::string text = fmt::format("With {} N s/m of damping eq. 16 allows a spring of {} N/m.",
-                                   givenText(wall.damping), givenText(passive));
-    for (const ColumnKind kind : {ColumnKind::hold, ColumnKind::positionControl})
-      if (const WallSummary* servo = wallOf(study, findings, 1, kind); servo && servo->lowestFirst) {
-        const Spread& k = pointOf(findings, *servo, servo->lowestFirst->point).of(&PushMetrics::firstStiffness);
-        text += fmt::format(
-            " On a plant with {} N s/m {} stops the first impact with at least {} N/m, {} times as much{}.",
-            givenText(study.labels[servo->column].damping), escape(study.labels[servo->column].title), meanText(k),
-            meanText(k, 1.0 / passive), kind == ColumnKind::hold ? " (research question 2)" : "");
-      }
-    page.paragraph(text);
+    page.paragraph(fmt::format("With {} N s/m of damping eq. 16 allows a spring of {} N/m.", givenText(wall.damping),
+                               givenText(2.0 * wall.damping / wall.period)));
   }
   if (study.column(ColumnKind::impedance) < study.labels.size())
     page.note(fmt::format(
@@ -110,46 +102,72 @@ void addSettings(Page& page, const Study& study) {
   page.table({"setting", "value"}, cells, "All settings that the numbers depend on.");
 }
 
+// The first screen: what was compared, which is stiffer, by how much, where not, and what that assumes.
+void addSummary(Page& page, const Study& study, const Findings& findings, const std::vector<Figure>& figures) {
+  std::vector<std::string> names, items;
+  for (const ColumnLabel& label : study.labels) names.push_back("<b>" + escape(label.title) + "</b>");
+  page.paragraph(fmt::format(
+      "Compared in simulation: {}, on a virtual wall. A simulated person pushes the tool into the wall at {} query "
+      "points, {} times at "
+      "each, with the same random forces for every renderer. Stiffness is the force of a push divided by "
+      "the depth that "
+      "the tool reaches in 0.1 s (K_d), or divided by the rms depth if a hand presses.",
+      join(names, ", "), study.plan.points(), study.plan.runs));
+  std::vector<std::string> worse;
+  for (const PairedComparison& c : findings.pairs) {
+    if (isStiffness(c.question)) items.push_back(stiffnessSentence(study, c));
+    if (isStiffness(c.question) || c.verdict != PairedVerdict::worse) continue;
+    const std::string text = std::string(allMetrics()[indexOf(c.question.metric)].symbol) + " (against " +
+                             escape(study.labels[c.b].title) + ")";
+    if (std::find(worse.begin(), worse.end(), text) == worse.end()) worse.push_back(text);
+  }
+  if (!worse.empty())
+    items.push_back("Where " + escape(study.labels[referenceOf(study)].title) + " is worse: " + join(worse, ", ") +
+                    ".");
+  if (findings.pairs.empty()) items.emplace_back("One renderer: there is nothing to compare.");
+  page.list(items);
+  addFigures(page, figures, "stiffness");
+  page.note(assumptionsOf(study) +
+            " Intervals have 95 % and cover the random forces and noise at these query points, not other devices.");
+  page.note("Command: <code class=\"command\">" + escape(shellText("study", study.options.arguments)) + "</code>");
+  const auto device = Json::parse(study.manifest).at("device");
+  page.note(
+      fmt::format("Enamel {}, seed {}, device file with CRC-32 {}. <code>enamel study --verify FOLDER</code> repeats "
+                  "a sample of the runs.",
+                  ENAMEL_VERSION, study.plan.setup.seed, device.at("CRC-32").get<std::string>()));
+  page.download("points.csv", pointsTable(study, findings.points));
+}
+
 // All sections except the convergence.
 void addFindings(Page& page, const Study& study, const Findings& findings, const std::vector<Figure>& figures) {
+  addSummary(page, study, findings, figures);
   addTerms(page, study);
   addFigures(page, figures, "fig06");
   page.heading("Typical responses");
   addFigures(page, figures, "fig08");
   addFigures(page, figures, "fig09");
+  if (!findings.pairs.empty()) {
+    page.heading("Paired differences");
+    addPairs(page, study, findings.pairs,
+             "Each run is paired with the run of the other renderer that has the same random numbers. A ratio is the "
+             "geometric mean over pairs. Intervals: Student's t, for the mean over the query points. p: that the mean "
+             "is zero, adjusted by Holm for all rows. d_z: mean over standard deviation of the differences at a point. "
+             "A point counts as better or worse only if its p, adjusted for all points and renderers of the row's "
+             "question, is below 0.05.");
+  }
   addClaims(page, findings.claims);
-  if (std::any_of(study.labels.begin(), study.labels.end(),
-                  [](const ColumnLabel& label) { return label.kind != ColumnKind::plugin; }))
-    addTableFour(page, study, findings);
   addMeasures(page, study, findings);
   page.heading("First impact over the wall");
   addFigures(page, figures, "fig10");
-  addDifferences(page, study, findings);
-  addFigures(page, figures, "along-y");
   addFigures(page, figures, "fig11");
   page.heading("Steady state over the wall");
   addFigures(page, figures, "fig12");
   addFigures(page, figures, "fig13");
   if (study.home) addRequirements(page, study);
-  addSpringLimits(page, study, findings, figures);
+  addSpringLimits(page, study, figures);
 }
 
 }  // namespace
-
-const WallSummary* wallOf(const Study& study, const Findings& findings, int scenario, ColumnKind kind) {
-  for (const WallSummary& w : findings.walls)
-    if (w.scenario == scenario && w.column == study.column(kind)) return &w;
-  return nullptr;
-}
-
-const PointStatistics& pointOf(const Findings& findings, const WallSummary& wall, std::size_t point) {
-  const auto found = std::find_if(findings.points.begin(), findings.points.end(), [&](const PointStatistics& p) {
-    return p.scenario == wall.scenario && p.column == wall.column && p.point == point;
-  });
-  return *found;  // always found: every wall has all of its points
-}
-
-std::string percent(double share) { return numberText(100.0 * share) + " %"; }
 
 std::string reportOf(const Study& study, const Findings& findings, const std::vector<Figure>& figures) {
   Page page;

@@ -98,13 +98,9 @@ void addTerms(Page& page, const Study& study) {
                      "a rendered spring K_r with a damper B_r is passive (it never returns more energy than it "
                      "received), and so stable, if b_m &gt; K_r T_s / 2 + |B_r|. Here b_m is the device's own damping "
                      "along the wall's normal, and T_s the tick.");
-  terms.emplace_back(
-      "a ± b",
-      fmt::format("a mean over the runs of a query point and its 95 % interval by Student's t, both rounded to the "
-                  "interval's second digit. “a (b to c)” is an asymmetric interval. The lowest or highest of the {} "
-                  "points has the interval of its own mean, without a correction for the selection. A number without "
-                  "an interval is not a mean: it is the largest of all runs, or from one simulation without noise.",
-                  plan.points()));
+  terms.emplace_back("a ± b",
+                     "a mean over the runs of a query point and its 95 % interval by Student's t, both rounded to the "
+                     "interval's second digit. “a (b to c)” is an asymmetric interval.");
   page.terms(terms);
 }
 

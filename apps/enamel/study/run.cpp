@@ -16,6 +16,7 @@
 #include "program/outputs.hpp"
 #include "program/program.hpp"
 #include "program/system.hpp"
+#include "study/pairs.hpp"
 #include "study/report.hpp"
 
 namespace enamel::app {
@@ -23,8 +24,6 @@ namespace enamel::app {
 namespace fs = std::filesystem;
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // ---- progress ----------------------------------------------------------------------------------------------------
 
@@ -88,23 +87,13 @@ std::string differenceOf(const Json& there, const Json& here) {
   return "it has other settings";
 }
 
-// Return the files that the study writes into the folder, except figures.
+// Return the files that the study writes into the folder.
 std::vector<std::string> resultsOf(const StudyOptions& options) {
   std::vector<std::string> names;
   if (options.whole) names = {"runs.csv", "points.csv", "summary.json", "report.html"};
   if (options.convergence) names.push_back("convergence.csv");
   if (!options.whole) names.push_back("convergence.html");
   return names;
-}
-
-// Throws unless study.json in the folder describes this study.
-void requireSame(const Study& study) {
-  const std::string path = study.path("study.json");
-  const Json there = fs::exists(fs::u8path(path)) ? Json::parse(readJson(path), nullptr, false) : Json();
-  if (!there.is_object())
-    throw Error(path + ": is missing or damaged, so the study of runs.csv is unknown; --overwrite replaces it");
-  const Json here = Json::parse(study.manifest);
-  if (there != here) throw Error(fmt::format("{}: holds another study: {}", path, differenceOf(there, here)));
 }
 
 // Return whether runsPath() could have made this name: the file holds a part of a study's runs.
@@ -138,6 +127,8 @@ void claimFolder(const Study& study) {
     for (const std::string& name : resultsOf(options)) requireFree(study.path(name), false);
   }
   writeFile(path, study.manifest);
+  writeFile(study.path(kCommandFile),
+            Json(study.options.arguments).dump(-1, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 // ---- the command -------------------------------------------------------------------------------------------------
@@ -215,7 +206,8 @@ void printSummary(const Study& study, const std::vector<WallSummary>& walls, con
       "* mechanical, of the plant along z at home  ** lowest mean of K_z1 divided by the physical limit for a step at "
       "the\nbeginning of a tick\n");
   for (const Claim& claim : claims)
-    fmt::print("{}: {} ({})\n", claim.holds ? "holds" : "DOES NOT HOLD", claim.text, claim.measured);
+    fmt::print("{}: {} ({})\n", claim.verdict == "does not hold" ? "DOES NOT HOLD" : claim.verdict, claim.text,
+               claim.measured);
 }
 
 void printConvergence(const Convergence& convergence) {
@@ -233,14 +225,20 @@ void printConvergence(const Convergence& convergence) {
 
 void writeReport(const Study& study, const Findings& findings) {
   const std::string path = study.path(findings.whole ? "report.html" : "convergence.html");
-  fs::create_directories(fs::u8path(study.path("figures")));
-  const std::vector<Figure> figures = figuresOf(study, findings);
-  for (const Figure& figure : figures) writeFile(study.path("figures/" + figure.name + ".svg"), figure.svg);
-  writeFile(path, reportOf(study, findings, figures));
+  writeFile(path, reportOf(study, findings, figuresOf(study, findings)));
   fmt::print("report: {}\n", path);
 }
 
 }  // namespace
+
+void requireSame(const Study& study) {
+  const std::string path = study.path("study.json");
+  const Json there = fs::exists(fs::u8path(path)) ? Json::parse(readJson(path), nullptr, false) : Json();
+  if (!there.is_object())
+    throw Error(path + ": is missing or damaged, so the study of runs.csv is unknown; --overwrite replaces it");
+  const Json here = Json::parse(study.manifest);
+  if (there != here) throw Error(fmt::format("{}: holds another study: {}", path, differenceOf(there, here)));
+}
 
 bool completeRuns(const Study& study) {
   prepareFolder(study);
@@ -276,10 +274,11 @@ void runStudy(StudyOptions options) {
     }
     if (!lock) lock.emplace(options.output, true);
     // Read the file, so that an interrupted study gives the same bytes.
-    findings.points = pointStatistics(study.plan, readRuns(study.plan, study.path("runs.csv")));
+    const std::vector<StudyResult> runs = readRuns(study.plan, study.path("runs.csv"));
+    findings.points = pointStatistics(study.plan, runs);
     findings.walls = summarise(study.plan, findings.points);
-    findings.claims = claimsOf(study, findings.points, findings.walls);
-    findings.survey = surveyWall(study);
+    findings.pairs = comparePairs(study.plan, runs, referenceOf(study), reportQuestions());
+    findings.claims = claimsOf(study, runs, findings.walls);
     writeFile(study.path("points.csv"), pointsTable(study, findings.points));
     writeFile(study.path("summary.json"), summaryOf(study, findings.walls, findings.claims));
     printSummary(study, findings.walls, findings.claims);

@@ -2,6 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <map>
+
+#include "enamel/runtime/recording.hpp"
+#include "study/page.hpp"
+
 namespace enamel::app {
 
 std::string Study::runsPath(int part) const {
@@ -17,6 +22,17 @@ std::size_t Study::column(ColumnKind kind) const {
 std::string pointText(const Study& study, std::size_t point) {
   const Vec3 p = 1e3 * queryPoint(study.plan, point);
   return fmt::format("({:.4g}, {:.4g})", p.x(), p.y());
+}
+
+std::string checksumOf(const std::string& text) { return fmt::format("{:08x}", crc32(text)); }
+
+std::string plantTitle(const std::string& plant) {
+  static const std::map<std::string, std::string> titles = {{kClosedForm, "the ideal device"},
+                                                            {kMultibody, "the device in Simbody"},
+                                                            {kImperfect, "the imperfect plant"},
+                                                            {kImperfectStiff, "the imperfect plant with stiff cables"}};
+  const auto found = titles.find(plant);
+  return found != titles.end() ? found->second : "the unit " + escape(plant);
 }
 
 std::string delayText(const std::string& delay) {

@@ -10,6 +10,7 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/study/run_file.hpp"
 #include "study/options.hpp"
+#include "study/plot.hpp"
 
 namespace enamel::app {
 
@@ -22,6 +23,7 @@ struct ColumnLabel {
   std::string title;     ///< for people
   double damping = 0.0;  ///< mechanical, of its plant along z at home, N s/m
   std::string servo;     ///< own servo file; empty: the study's servo
+  Style style = {};      ///< in plots
 };
 
 struct Study {
@@ -46,16 +48,23 @@ struct Study {
 /// Load, design and check everything. Throws Error.
 Study prepareStudy(const StudyOptions& options);
 
+/// Name of the file with the arguments of the command, in the study's folder.
+inline constexpr const char* kCommandFile = "command.json";
+
+/// Throw Error unless study.json in the folder describes this study.
+void requireSame(const Study& study);
+
 /// Perform the runs of a study or of its part. If all parts are complete, write runs.csv; otherwise return false.
 /// Throws Error, and Exit after a signal.
 bool completeRuns(const Study& study);
 
-/// A claim of the paper's section VI on this device, with its value at the worst query point.
+/// A claim of the paper's section VI on this device. It holds, or does not hold, only if its interval excludes the
+/// opposite.
 struct Claim {
   std::string text, measured;
-  bool holds = false;
+  std::string verdict;  ///< "holds", "does not hold" or "not decided"
 };
-std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistics>& points,
+std::vector<Claim> claimsOf(const Study& study, const std::vector<StudyResult>& runs,
                             const std::vector<WallSummary>& walls);
 
 /// Return the text of points.csv; summary.json is the next function.
@@ -64,6 +73,12 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
 
 /// Format a query point in mm: "(-25, 10)".
 std::string pointText(const Study& study, std::size_t point);
+
+/// Return the CRC-32 of a text as eight hexadecimal digits, as common tools show it.
+std::string checksumOf(const std::string& text);
+
+/// Return the title of a plant; HTML.
+std::string plantTitle(const std::string& plant);
 
 /// Format a --delay: "no delay", "1 tick", "0..3 ticks".
 std::string delayText(const std::string& delay);

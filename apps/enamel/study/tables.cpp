@@ -8,8 +8,6 @@
 namespace enamel::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // Return null for a value that does not exist, rather than 0 or infinity.
 Json numberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
@@ -93,7 +91,7 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
   }
   summary["claims"] = Json::array();
   for (const Claim& c : claims)
-    summary["claims"].push_back({{"claim", c.text}, {"holds", c.holds}, {"measured", c.measured}});
+    summary["claims"].push_back({{"claim", c.text}, {"verdict", c.verdict}, {"measured", c.measured}});
   return textOf(summary);
 }
 
