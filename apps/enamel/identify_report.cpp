@@ -12,9 +12,10 @@ namespace enamel::app {
 namespace {
 
 constexpr double kShown = 3.0;  // s, of the traces
-constexpr int kWide = 750;
-constexpr unsigned kColours[] = {viewer::kBlue, viewer::kVermilion, viewer::kGreen, viewer::kOrange, viewer::kPurple,
-                                 viewer::kSky,  viewer::kBrown,     viewer::kMuted, viewer::kInk};
+constexpr int kFigureWide = 750;
+constexpr unsigned kJointColours[] = {viewer::kBlue,   viewer::kVermilion, viewer::kGreen,
+                                      viewer::kOrange, viewer::kPurple,    viewer::kSky,
+                                      viewer::kBrown,  viewer::kMuted,     viewer::kInk};
 
 bool isLinear(const std::string& joint) { return joint.rfind("axis", 0) == 0; }
 
@@ -63,8 +64,8 @@ Json torqueFigure(const Identification& result) {
     }
     Json time = axis("time, s");
     time["numbers"] = joint + 1 == joints;
-    panels.push_back(panel(fmt::format("{}: {:.2f} % explained", t.joint[row], 100.0 * result.explained[joint]), kWide,
-                           110, time, axis(isLinear(t.joint[row]) ? "N" : "N m"),
+    panels.push_back(panel(fmt::format("{}: {:.2f} % explained", t.joint[row], 100.0 * result.explained[joint]),
+                           kFigureWide, 110, time, axis(isLinear(t.joint[row]) ? "N" : "N m"),
                            {line("command", times, commanded, command), line("model", times, explained, model)}));
   }
   return figure("torques of command and model", 1, {entry("command", command), entry("model", model)}, panels);
@@ -80,7 +81,7 @@ Json residualFigure(const Identification& result) {
   Json layers = Json::array(), legend = Json::array();
   for (Eigen::Index joint = 0; joint < t.residual.rows(); ++joint) {
     const std::string& name = t.joint[static_cast<std::size_t>(joint)];
-    const Style style{kColours[static_cast<std::size_t>(joint) % std::size(kColours)]};
+    const Style style{kJointColours[static_cast<std::size_t>(joint) % std::size(kJointColours)]};
     std::vector<double> ys;
     for (Eigen::Index k = 1; k < t.frequency.size(); ++k) ys.push_back(1e6 * t.residual(joint, k));
     layers.push_back(line(name, numbers(xs), ys, style));
@@ -89,8 +90,9 @@ Json residualFigure(const Identification& result) {
   }
   legend.push_back(entry("rounding of its encoder", dashed(viewer::kMuted)));
   const std::string unit = !isLinear(t.joint.front()) ? "µrad" : isLinear(t.joint.back()) ? "µm" : "µm or µrad";
-  return figure("Spectra of the residuals", 1, legend,
-                Json::array({panel("", kWide, 280, axis("frequency, Hz", true), axis(unit + " / √Hz", true), layers)}));
+  return figure(
+      "Spectra of the residuals", 1, legend,
+      Json::array({panel("", kFigureWide, 280, axis("frequency, Hz", true), axis(unit + " / √Hz", true), layers)}));
 }
 
 void addWalls(Page& page, const Identification& result, const std::vector<WallExpectation>& expected) {

@@ -186,8 +186,7 @@ TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[co
   double ranks = 0.0;
   while (std::getline(lines, line)) ranks += std::stod(line.substr(line.rfind(',') + 1));
   CHECK(ranks == Approx(2 * 2 * 15.0));  // 1 + 2 + 3 + 4 + 5 for every plant and delay, even with ties
-  for (const char* part :
-       {"Holm", "Table III", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
+  for (const char* part : {"Holm", "Table III", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
     CHECK_THAT(page, ContainsSubstring(part));
   CHECK_THAT(page, ContainsSubstring("Every other task"));
   const std::string text = page.substr(0, page.find("<script"));

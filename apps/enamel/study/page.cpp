@@ -156,8 +156,8 @@ void Page::terms(const std::vector<std::pair<std::string, std::string>>& items) 
 
 void Page::table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows,
                  const std::string& caption) {
-  constexpr std::size_t kWide = 9;
-  html_ += head.size() > kWide ? "<table class=\"wide\">\n" : "<table>\n";
+  constexpr std::size_t kManyColumns = 9;
+  html_ += head.size() > kManyColumns ? "<table class=\"wide\">\n" : "<table>\n";
   if (!caption.empty()) html_ += "<caption>Table " + std::to_string(++tables_) + ". " + caption + "</caption>\n";
   html_ += "<tr>";
   for (const std::string& cell : head) html_ += "<th>" + cell + "</th>";

@@ -11,7 +11,7 @@ namespace enamel::app {
 namespace {
 
 constexpr double kShownFrom = 0.9;  // s
-constexpr int kWide = 770, kHigh = 96;
+constexpr int kPanelWide = 770, kPanelHigh = 96;
 
 struct Curve {
   std::string title;
@@ -63,7 +63,7 @@ Responses responsesAt(const Study& study, int scenario, std::size_t point) {
 
 Json panelOf(const std::string& title, int height, const Json& time, const Json& y, Json layers) {
   layers.push_back(level(0.0, dashed(viewer::kMuted)));
-  return panel(title, kWide, height, time, y, layers);
+  return panel(title, kPanelWide, height, time, y, layers);
 }
 
 const Curve& stillestOf(const std::vector<Curve>& depths) {
@@ -83,7 +83,7 @@ Json closeUp(bool step, const Responses& r, double end) {
   for (const Curve& depth : r.depths) layers.push_back(depth.drawn(step ? 1.0 : 1e3));
   return panelOf(
       step ? "all renderers at the step, same scale of z" : "all renderers on the scale of " + stillest.title,
-      2 * kHigh, axis("time (s)", step ? 0.99 : kShownFrom, step ? 1.15 : end), y, layers);
+      2 * kPanelHigh, axis("time (s)", step ? 0.99 : kShownFrom, step ? 1.15 : end), y, layers);
 }
 
 // ---- the drawing of the device -----------------------------------------------------------------------------------
@@ -209,11 +209,12 @@ Figure responseFigure(const Study& study, int scenario) {
   Json time = axis("time (s)", kShownFrom, plan.setup.duration), z = axis("z (mm)");
   time["numbers"] = false;
   z["share"] = "z";
-  Json panels = Json::array({panelOf(r.force.title, kHigh, time, axis("force (N)"), Json::array({r.force.drawn()}))});
+  Json panels =
+      Json::array({panelOf(r.force.title, kPanelHigh, time, axis("force (N)"), Json::array({r.force.drawn()}))});
   std::vector<std::string> deepest;
   for (const Curve& depth : r.depths) {
     time["numbers"] = &depth == &r.depths.back();
-    panels.push_back(panelOf(depth.title, kHigh, time, z, Json::array({depth.drawn()})));
+    panels.push_back(panelOf(depth.title, kPanelHigh, time, z, Json::array({depth.drawn()})));
     deepest.push_back(fmt::format("{} mm ({}{})", numberText(-depth.low, 2), escape(depth.title),
                                   depth.lost ? ": the run was lost there" : ""));
   }
@@ -257,7 +258,7 @@ Figure torqueFigure(const Study& study) {
   }
   return {"fig11-torque",
           figure("torque at two query points", 1, legend,
-                 Json::array({panel("", kWide, 270, axis("time (s)", kFrom, kTo),
+                 Json::array({panel("", kPanelWide, 270, axis("time (s)", kFrom, kTo),
                                     axis(fmt::format("torque of joint {} (N m)", last + 1)), layers)})),
           fmt::format(
               "Torque of joint {} under a step of {:.0f} N at 1 s with {}, at two query points with the same noise "

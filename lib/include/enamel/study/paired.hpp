@@ -22,6 +22,7 @@ double studentQuantile(double p, double freedom) noexcept;
 std::vector<double> holm(const std::vector<double>& p);
 
 /// Mean of differences with its 95 % interval, and the test of "the mean is zero" (Student). NaN if there are too few.
+/// Without deviation the interval is zero, and p is 0 or 1.
 struct MeanDifference {
   int count = 0;
   double mean = std::numeric_limits<double>::quiet_NaN();
@@ -29,6 +30,8 @@ struct MeanDifference {
   double p = mean;       ///< two-sided
   double effect = mean;  ///< mean over standard deviation (Cohen's d_z); NaN without deviation
 };
+
+/// Return interval and test for the mean of differences. Realtime: no.
 MeanDifference meanDifference(const Spread& differences);
 
 /// Return the mean of the means of strata, such as query points. The strata are fixed, their values random. The degrees
