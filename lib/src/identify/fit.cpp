@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
+#include <utility>
 
 #include "enamel/core/error.hpp"
 #include "enamel/study/parallel.hpp"
@@ -19,13 +19,13 @@ constexpr double kRelative = 0.05;      // residual that counts as noise, of the
 constexpr double kFloor = 0.3;          // of the power of rounding
 constexpr double kBlock = 1.0;          // s, long against the observer's memory of 0.1 s
 constexpr double kBandwidth = 8.0;      // independent frequencies in the narrowest band
-constexpr double kIntegration = 0.05;   // largest error of the fine simulation, of the deviation of rounding
-constexpr int kMostParts = 32;          // of a tick
-constexpr double kExplained = 20.0;     // Hz, below which explained() compares
-constexpr double kConverged = 0.01;     // expected change of the log likelihood in the next step
-constexpr double kGood = 0.7;           // of the expected gain: the derivatives are still good
-constexpr double kSlow = 0.02;          // least gain of a first step, of the cost
-constexpr double kLongestStep = 1.5;    // of the spread of an unknown
+constexpr double kIntegration =
+    0.01;  // error of the fine simulation before extrapolation, of the deviation of rounding
+constexpr int kFineParts = 8, kMostParts = 128;  // of a tick
+constexpr double kConverged = 0.01;              // expected change of the log likelihood in the next step
+constexpr double kGood = 0.7;                    // of the expected gain: the derivatives are still good
+constexpr double kSlow = 0.02;                   // least gain of a first step, of the cost
+constexpr double kLongestStep = 1.5;             // of the spread of an unknown
 
 // Replace the values of ticks without a sample by straight lines.
 void interpolate(const RecordedMotion& motion, Eigen::Index first, Eigen::MatrixXd& rows) {
@@ -42,23 +42,13 @@ void interpolate(const RecordedMotion& motion, Eigen::Index first, Eigen::Matrix
   for (Eigen::Index i = last + 1; i < rows.cols() && last >= 0; ++i) rows.col(i) = rows.col(last);
 }
 
-// Phase of the torque that explains a residual e: that of e'' + 2 w e' + w^2 e, or (i f + w)^2.
-Eigen::VectorXcd phaseOf(const Eigen::VectorXd& frequencies) {
-  Eigen::VectorXcd phase(frequencies.size());
-  for (Eigen::Index k = 0; k < phase.size(); ++k) {
-    const std::complex<double> turn(kObserverRate, frequencies[k]);
-    phase[k] = turn * turn / std::norm(turn);
-  }
-  return phase;
-}
-
 }  // namespace
 
 Fit::Fit(DeviceModel reference, std::vector<Unknown> unknowns, const std::vector<RecordedMotion>& motions, int threads)
     : reference_(std::move(reference)), unknowns_(std::move(unknowns)), motions_(motions), threads_(threads) {
   x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size()));
   isFixed.assign(unknowns_.size(), 0);
-  observer_ = coarse_ = observerFor(reference_, motions.front().period);
+  observer_ = observerFor(reference_, motions.front().period);
   const JointVector step = makeMechanism(reference_.device)->limits().encoderStep;
   floor_ = kFloor / 12.0 * step.array().square();
   use(0.0, std::numeric_limits<double>::infinity());
@@ -73,6 +63,7 @@ int Fit::find(const std::string& key) const noexcept {
 void Fit::use(double begin, double end) {
   pieces_.clear();
   slopes_.clear();
+  correction_.clear();
   baseAt_.resize(0);
   double passed = 0.0;  // s, at the beginning of a motion
   for (const RecordedMotion& motion : motions_) {
@@ -110,21 +101,36 @@ Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, const Observer& observe
   return all;
 }
 
+// Forward differences, or central ones after refine(): numbers with nearly the same effect, such as lengths, offsets
+// and masses, need accurate differences between their slopes. Otherwise the fit believes to know them.
 void Fit::updateSlopes() {
+  const bool isCentral = !correction_.empty();
   slopes_.assign(unknowns_.size(), {});
   int leftHere;
-  const Residuals base = residuals(x, coarse_, leftHere);
+  const Residuals here = residuals(x, observer_, leftHere);
+  const auto at = [&](std::size_t i, double step) {
+    Eigen::VectorXd moved = x;
+    moved[static_cast<Eigen::Index>(i)] += step;
+    int left;
+    return residuals(moved, observer_, left);
+  };
   parallelFor(unknowns_.size(), threads_, [&](std::size_t i) {
     if (isFixed[i] != 0) return;
-    for (const double step : {kStep, -kStep}) {  // backward at the limit of possible devices
-      Eigen::VectorXd moved = x;
-      moved[static_cast<Eigen::Index>(i)] += step;
-      int left;
-      const Residuals other = residuals(moved, coarse_, left);
-      for (std::size_t p = 0; p < other.size(); ++p) slopes_[i].push_back(((base[p] - other[p]) / step).cast<float>());
-      if (!other.empty()) return;
+    Residuals after = at(i, kStep), before;
+    const bool isFree = x[static_cast<Eigen::Index>(i)] - kStep >= unknowns_[i].least();
+    if (after.empty() || (isCentral && isFree)) before = at(i, -kStep);
+    const double width = (after.empty() ? 0.0 : kStep) + (before.empty() ? 0.0 : kStep);
+    if (width == 0.0)
+      throw Error("the numbers of \"" + nameOf(reference_.device) + "\" are at the limit of possible devices");
+    if (after.empty()) after = here;
+    if (before.empty()) before = here;
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      const Eigen::MatrixXd change = (before[p] - after[p]) / width;
+      Eigen::MatrixXcf slope(pieces_[p].spectrum->frequencies().size(), change.rows());
+      for (Eigen::Index joint = 0; joint < slope.cols(); ++joint)
+        slope.col(joint) = pieces_[p].spectrum->transform(change.row(joint)).cast<std::complex<float>>();
+      slopes_[i].push_back(std::move(slope));
     }
-    throw Error("the numbers of \"" + nameOf(reference_.device) + "\" are at the limit of possible devices");
   });
 }
 
@@ -171,7 +177,7 @@ double Fit::cost(const Residuals& residuals, const Powers& powers) const {
 
 double Fit::misfit() {
   if (baseAt_.size() != x.size() || baseAt_ != x) {
-    base_ = residuals(x, observer_, restarts);
+    base_ = corrected(x, restarts);
     baseAt_ = x;
   }
   const Powers power = powers(base_, 0.0);
@@ -184,37 +190,38 @@ double Fit::misfit() {
 
 void Fit::normalEquations(const Residuals& residuals, const Powers& powers, Eigen::MatrixXd& A,
                           Eigen::VectorXd& b) const {
-  std::vector<Eigen::Index> free;
+  std::vector<std::size_t> free;
   for (std::size_t i = 0; i < unknowns_.size(); ++i)
-    if (isFixed[i] == 0) free.push_back(static_cast<Eigen::Index>(i));
+    if (isFixed[i] == 0) free.push_back(i);
   const auto count = static_cast<Eigen::Index>(free.size());
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count + 1);
-  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+  const auto joints = static_cast<std::size_t>(residuals.front().rows());
+  std::vector<Eigen::MatrixXd> sums(pieces_.size() * joints);
+  parallelFor(sums.size(), threads_, [&](std::size_t task) {
+    const std::size_t p = task / joints;
+    const auto joint = static_cast<Eigen::Index>(task % joints);
     const Spectrum& spectrum = *pieces_[p].spectrum;
-    for (Eigen::Index joint = 0; joint < residuals[p].rows(); ++joint) {
-      const Eigen::VectorXd weight = powers[p][static_cast<std::size_t>(joint)].cwiseSqrt().cwiseInverse();
-      Eigen::MatrixXd rows(2 * weight.size(), count + 1);  // real and imaginary parts
-      for (Eigen::Index i = 0; i <= count; ++i) {
-        const Eigen::VectorXd signal =
-            i == count ? Eigen::VectorXd(residuals[p].row(joint))
-                       : Eigen::VectorXd(slopes_[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])][p]
-                                             .row(joint)
-                                             .cast<double>());
-        const Eigen::VectorXcd white = spectrum.transform(signal).cwiseProduct(weight);
-        rows.col(i).head(weight.size()) = white.real();
-        rows.col(i).tail(weight.size()) = white.imag();
-      }
-      // The mean over all frequencies: twice the positive ones. Zero and half of the sample rate hardly matter.
-      const double scale = spectrum.samples() / static_cast<double>(weight.size());
-      sum += scale * rows.leftCols(count).transpose() * rows;
+    const Eigen::VectorXd weight = powers[p][task % joints].cwiseSqrt().cwiseInverse();
+    Eigen::MatrixXd rows(2 * weight.size(), count + 1);  // real and imaginary parts
+    for (Eigen::Index i = 0; i <= count; ++i) {
+      const Eigen::VectorXcd signal =
+          i == count ? spectrum.transform(residuals[p].row(joint)) : slope(free[static_cast<std::size_t>(i)], p, joint);
+      const Eigen::VectorXcd white = signal.cwiseProduct(weight);
+      rows.col(i).head(weight.size()) = white.real();
+      rows.col(i).tail(weight.size()) = white.imag();
     }
-  }
+    // The mean over all frequencies: twice the positive ones. Zero and half of the sample rate hardly matter.
+    const double scale = spectrum.samples() / static_cast<double>(weight.size());
+    sums[task] = scale * rows.leftCols(count).transpose() * rows;
+  });
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count + 1);
+  for (const Eigen::MatrixXd& part : sums) sum += part;
   A = Eigen::MatrixXd::Zero(x.size(), x.size());
   b = Eigen::VectorXd::Zero(x.size());
   for (Eigen::Index i = 0; i < count; ++i) {
-    b[free[static_cast<std::size_t>(i)]] = sum(i, count);
+    const auto row = static_cast<Eigen::Index>(free[static_cast<std::size_t>(i)]);
+    b[row] = sum(i, count);
     for (Eigen::Index k = 0; k < count; ++k)
-      A(free[static_cast<std::size_t>(i)], free[static_cast<std::size_t>(k)]) = sum(i, k);
+      A(row, static_cast<Eigen::Index>(free[static_cast<std::size_t>(k)])) = sum(i, k);
   }
 }
 
@@ -285,7 +292,7 @@ void Fit::improve(int steps, double corner, bool keepsSlopes) {
       step = stepOf(A, b, damping);
       const Eigen::VectorXd next = x + step;
       int left = 0;
-      Residuals there = residuals(next, observer_, left);
+      Residuals there = corrected(next, left);
       if (there.empty()) continue;
       gain = before - cost(there, power) - priorCost(next);
       if (!(gain > 0.0)) continue;
@@ -317,14 +324,12 @@ std::vector<Fit::Block> Fit::blocks(const Powers& powers) const {
     all.resize(first + count, {Eigen::MatrixXd::Zero(x.size(), x.size()), Eigen::VectorXd::Zero(x.size())});
     for (Eigen::Index joint = 0; joint < base_[p].rows(); ++joint) {
       const Eigen::VectorXd weight = powers[p][static_cast<std::size_t>(joint)].cwiseSqrt().cwiseInverse();
-      const auto white = [&](const Eigen::VectorXd& signal) {
-        return spectrum.inverse(spectrum.transform(signal).cwiseProduct(weight));
-      };
-      const Eigen::VectorXd e = white(base_[p].row(joint));
+      const auto white = [&](const Eigen::VectorXcd& signal) { return spectrum.inverse(signal.cwiseProduct(weight)); };
+      const Eigen::VectorXd e = white(spectrum.transform(base_[p].row(joint)));
       Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(e.size(), x.size());
       for (Eigen::Index i = 0; i < x.size(); ++i)
         if (isFixed[static_cast<std::size_t>(i)] == 0)
-          slopes.col(i) = white(slopes_[static_cast<std::size_t>(i)][p].row(joint).cast<double>());
+          slopes.col(i) = white(slope(static_cast<std::size_t>(i), p, joint));
       for (std::size_t k = 0; k < count; ++k) {
         const auto part = slopes.middleRows(static_cast<Eigen::Index>(k) * length, length);
         all[first + k].information += part.transpose() * part;
@@ -366,24 +371,36 @@ Eigen::MatrixXd Fit::covariance() {
   return scale.asDiagonal() * jackknife * scale.asDiagonal();
 }
 
+// The error is of second order in the length of a part, so that a third of the change remains when it is halved.
 void Fit::refine() {
-  const double steps = std::max<double>(coarse_.substeps, period() / kFineStep);
   const Eigen::VectorXd allowed = kIntegration * (floor_ / kFloor).cwiseSqrt();
-  for (int parts = kFineParts, isFine = 0; isFine == 0 && parts <= kMostParts; parts *= 2) {
-    (void)misfit();
-    const Residuals before = base_;
-    observer_.parts = parts;
-    observer_.substeps = parts * std::max(2, static_cast<int>(std::ceil(steps / parts - 1e-9)));
-    forget();
-    (void)misfit();
-    isFine = 1;
-    for (std::size_t p = 0; p < pieces_.size(); ++p) {
-      const double samples = static_cast<double>(pieces_[p].count);
-      const Eigen::VectorXd change = ((base_[p] - before[p]).rowwise().squaredNorm() / samples).cwiseSqrt();
-      // The error is of second order in the length of a part, so that it is a third of the change, or less.
-      if (((change / 3.0).array() > allowed.array()).any()) isFine = 0;
+  int left = 0;
+  const Residuals coarse = residuals(x, observer_, left);
+  Residuals before;
+  bool isFine = false;
+  for (int parts = kFineParts; !isFine && parts <= kMostParts; parts *= 2) {
+    Observer fine = observer_;
+    fine.parts = parts;
+    fine.places = parts / 4;
+    fine.substeps = 2 * parts;
+    Residuals now = residuals(x, fine, left);
+    isFine = !before.empty();
+    for (std::size_t p = 0; p < before.size(); ++p) {
+      const Eigen::MatrixXd error = (now[p] - before[p]) / 3.0;
+      const Eigen::ArrayXd size = (error.rowwise().squaredNorm() / static_cast<double>(pieces_[p].count)).cwiseSqrt();
+      if ((size > allowed.array()).any()) isFine = false;
+      before[p] = now[p] + error - coarse[p];
     }
+    correction_ = std::exchange(before, std::move(now));
   }
+  forget();
+}
+
+// Residuals with the correction of refine().
+Fit::Residuals Fit::corrected(const Eigen::VectorXd& at, int& left) const {
+  Residuals all = residuals(at, observer_, left);
+  for (std::size_t p = 0; p < std::min(all.size(), correction_.size()); ++p) all[p] += correction_[p];
+  return all;
 }
 
 void Fit::add(const std::vector<Unknown>& unknowns) {
@@ -394,105 +411,6 @@ void Fit::add(const std::vector<Unknown>& unknowns) {
   isFixed.resize(unknowns_.size(), 0);
   slopes_.clear();
   baseAt_.resize(0);
-}
-
-// Torque of a residual e at each frequency: M (e'' + 2 w e' + w^2 e), with inertia M and observer w.
-Eigen::VectorXd Fit::torquePerReading(const Spectrum& spectrum, Eigen::Index joint) const {
-  const double rate = 2.0 * M_PI * kObserverRate, inertia = observer_.stiffness[joint] / (rate * rate);
-  Eigen::VectorXd gain = spectrum.frequencies();
-  return inertia * (gain.array().square() * (4.0 * M_PI * M_PI) + rate * rate);
-}
-
-std::vector<Eigen::VectorXd> Fit::whiteTorque() {
-  (void)misfit();
-  const Piece& piece = pieces_.front();
-  const Spectrum& spectrum = *piece.spectrum;
-  reading_ = piece.motion->reading.middleCols(piece.first, piece.count);
-  torqueGain_.clear();
-  std::vector<Eigen::VectorXd> torques;
-  const Powers power = powers(base_, 0.0);
-  for (Eigen::Index joint = 0; joint < reading_.rows(); ++joint) {
-    const Eigen::VectorXd gain = torquePerReading(spectrum, joint);
-    const Eigen::VectorXd deviation = power[0][static_cast<std::size_t>(joint)].cwiseSqrt();
-    torqueGain_.push_back(gain.cwiseProduct(deviation).cwiseInverse());
-    const Eigen::VectorXcd white = spectrum.transform(base_[0].row(joint)).cwiseQuotient(deviation);
-    torques.push_back(spectrum.inverse(white.cwiseProduct(phaseOf(spectrum.frequencies()))));
-  }
-  return torques;
-}
-
-Eigen::MatrixXd Fit::residualCommand(int delay) const {
-  const Piece& piece = pieces_.front();
-  Eigen::MatrixXd commands(piece.motion->command.rows(), piece.count);
-  for (Eigen::Index i = 0; i < piece.count; ++i)
-    commands.col(i) = piece.motion->command.col(std::max<Eigen::Index>(0, piece.first + i - delay));
-  return commands;
-}
-
-Eigen::VectorXd Fit::whitenTorque(Eigen::Index joint, const Eigen::VectorXd& torque) const {
-  const Spectrum& spectrum = *pieces_.front().spectrum;
-  return spectrum.inverse(spectrum.transform(torque).cwiseProduct(torqueGain_[static_cast<std::size_t>(joint)]));
-}
-
-Eigen::VectorXd Fit::noise() {
-  (void)misfit();
-  const Spectrum& spectrum = *pieces_.front().spectrum;
-  const Eigen::VectorXd isFast = (spectrum.frequencies().array() > kNoiseBegin).cast<double>();
-  Eigen::VectorXd deviation(base_.front().rows());
-  for (Eigen::Index joint = 0; joint < deviation.size(); ++joint)
-    deviation[joint] =
-        std::sqrt(spectrum.mean(spectrum.transform(base_.front().row(joint)).cwiseProduct(isFast).cwiseAbs2()));
-  return deviation;
-}
-
-Eigen::VectorXd Fit::explained() {
-  (void)misfit();
-  const Eigen::Index joints = base_.front().rows();
-  Eigen::VectorXd error = Eigen::VectorXd::Zero(joints), whole = error;
-  for (std::size_t p = 0; p < pieces_.size(); ++p) {
-    const Piece& piece = pieces_[p];
-    const Spectrum& spectrum = *piece.spectrum;
-    const Eigen::VectorXd isSlow = (spectrum.frequencies().array() < kExplained).cast<double>();
-    for (Eigen::Index joint = 0; joint < joints; ++joint) {
-      Eigen::VectorXd command = piece.motion->command.row(joint).segment(piece.first, piece.count);
-      command.array() -= command.mean();
-      const Eigen::VectorXd gain = torquePerReading(spectrum, joint).cwiseProduct(isSlow);
-      error[joint] += spectrum.mean(spectrum.transform(base_[p].row(joint)).cwiseProduct(gain).cwiseAbs2());
-      whole[joint] += spectrum.mean(spectrum.transform(command).cwiseProduct(isSlow).cwiseAbs2());
-    }
-  }
-  return 1.0 - (error.array() / whole.array().max(1e-300));
-}
-
-IdentificationTraces Fit::traces() {
-  (void)misfit();
-  const Piece& piece = pieces_.front();
-  const Spectrum& spectrum = *piece.spectrum;
-  const Eigen::VectorXd frequencies = spectrum.frequencies(),
-                        isSlow = (frequencies.array() < kExplained).cast<double>();
-  const Eigen::VectorXcd phase = phaseOf(frequencies);
-  const double density = 2.0 * piece.motion->period;  // of one-sided power, per mean square of a line
-  IdentificationTraces traces;
-  traces.period = piece.motion->period;
-  // The mean frequency of each band.
-  traces.frequency = spectrum.bands(frequencies.cwiseSqrt().cast<std::complex<double>>());
-  const Eigen::Index joints = base_.front().rows();
-  traces.torque.resize(joints, piece.count);
-  traces.explained = traces.torque;
-  traces.residual.resize(joints, traces.frequency.size());
-  for (Eigen::Index joint = 0; joint < joints; ++joint) {
-    Eigen::VectorXd command = piece.motion->command.row(joint).segment(piece.first, piece.count);
-    command.array() -= command.mean();
-    const Eigen::VectorXcd residual = spectrum.transform(base_.front().row(joint));
-    const Eigen::VectorXcd slow = spectrum.transform(command).cwiseProduct(isSlow);
-    traces.joint.push_back(jointName(reference_.device, static_cast<int>(joint)));
-    traces.torque.row(joint) = spectrum.inverse(slow);
-    const Eigen::VectorXcd missing =
-        residual.cwiseProduct(torquePerReading(spectrum, joint).cwiseProduct(isSlow)).cwiseProduct(phase);
-    traces.explained.row(joint) = spectrum.inverse(slow + missing);
-    traces.residual.row(joint) = (density * spectrum.bands(residual)).cwiseSqrt();
-  }
-  return traces;
 }
 
 }  // namespace enamel::identify

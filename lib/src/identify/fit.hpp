@@ -9,6 +9,7 @@
 // damping of Levenberg (1944) and Marquardt (1963) reduces it, with differences of simulations as derivatives.
 #pragma once
 
+#include <complex>
 #include <memory>
 #include <vector>
 
@@ -18,8 +19,6 @@
 
 namespace enamel::identify {
 
-inline constexpr double kFineStep = 5e-5;     // s, of refine()
-inline constexpr int kFineParts = 4;          // of a tick, at least
 inline constexpr double kNormal = 1.96;       // 95 % of the normal distribution
 inline constexpr double kNoiseBegin = 100.0;  // Hz
 
@@ -72,8 +71,8 @@ class Fit {
   /// Return the deviation of each residual above kNoiseBegin, rad or m.
   Eigen::VectorXd noise();
 
-  /// Simulate in steps of at most kFineStep from now on, in so many parts of a tick that errors of the integration are
-  /// small against the rounding of the encoders. The derivatives remain those of the coarse steps.
+  /// Compute the error of the simulation's steps at x: the difference to much shorter ones, extrapolated to zero length
+  /// (L. Richardson, 1911). From now on residuals are corrected by it, until use(). It hardly changes with x.
   void refine();
 
   /// Forget the simulation at x: reference() was changed.
@@ -101,6 +100,7 @@ class Fit {
   using Powers = std::vector<std::vector<Eigen::VectorXd>>;  // per piece and joint, at each frequency
 
   Residuals residuals(const Eigen::VectorXd& at, const Observer& observer, int& left) const;
+  Residuals corrected(const Eigen::VectorXd& at, int& left) const;
   void updateSlopes();
   Powers powers(const Residuals& residuals, double corner) const;
   double cost(const Residuals& residuals, const Powers& powers) const;
@@ -110,16 +110,20 @@ class Fit {
   void normalEquations(const Residuals& residuals, const Powers& powers, Eigen::MatrixXd& A, Eigen::VectorXd& b) const;
   Eigen::VectorXd stepOf(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double damping) const;
   Eigen::VectorXd torquePerReading(const Spectrum& spectrum, Eigen::Index joint) const;
+  Eigen::VectorXcd slope(std::size_t i, std::size_t p, Eigen::Index joint) const {
+    return slopes_[i][p].col(joint).cast<std::complex<double>>();
+  }
   bool isHeld(std::size_t i, const Eigen::VectorXd& b) const;
 
   DeviceModel reference_;
   std::vector<Unknown> unknowns_;
   const std::vector<RecordedMotion>& motions_;
   int threads_;
-  Observer observer_, coarse_;  // coarse_: of the derivatives
-  Eigen::VectorXd floor_;       // least power of a residual in each joint: a part of the encoder's rounding
+  Observer observer_;
+  Residuals correction_;
+  Eigen::VectorXd floor_;  // least power of a residual in each joint: a part of the encoder's rounding
   std::vector<Piece> pieces_;
-  std::vector<std::vector<Eigen::MatrixXf>> slopes_;  // per unknown and piece: d reading / d x
+  std::vector<std::vector<Eigen::MatrixXcf>> slopes_;  // per unknown and piece: spectra of d reading / d x, by column
   Residuals base_;
   Eigen::MatrixXd reading_;                  // of the first piece
   std::vector<Eigen::VectorXd> torqueGain_;  // of the filter of whitenTorque(), per joint

@@ -22,6 +22,7 @@ constexpr double kCorners[] = {20.0, 60.0, 150.0, 400.0};  // Hz, of the first s
 constexpr double kFirstData = 4.0;                         // s, for them
 constexpr double kCoarseData = 8.0;                        // s, for the first steps
 constexpr double kMostData = 40.0;                         // s, for the last ones
+constexpr int kRefinements = 2;                            // how often the errors of the simulation are computed
 constexpr double kShare = 0.8;                             // of the data for the fit; the rest tests it
 constexpr double kLeastExplained = 0.9;                    // of the variance of each torque
 constexpr double kCertain = 30.0;                          // difference of the log likelihood to the second best delay
@@ -260,8 +261,10 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   const double end = std::min(kMostData, kShare * durationOf(motions));
   fit.use(0.0, end);
   fit.improve(8);
-  fit.refine();
-  fit.improve(8);
+  for (int round = 0; round < kRefinements; ++round) {
+    fit.refine();
+    fit.improve(8, 0.0, round > 0);
+  }
   addEstimates(fit, file, result);
   result.problems = diagnose(fit, result.delay.low);
   addStatistics(fit, motions, end, result);

@@ -6,11 +6,13 @@
 #include <cmath>
 
 #include "core/message.hpp"
+#include "identify/local_dynamics.hpp"
 
 namespace enamel::identify {
 namespace {
 
-constexpr int kSubsteps = 5;  // at least, in a tick
+constexpr int kSubsteps = 5;    // at least, in a tick
+constexpr int kSlopeTicks = 4;  // between derivatives of the dynamics, with one place in a tick
 
 // The torque of the motors, from commands that are constant between ticks.
 template <int N>
@@ -106,7 +108,8 @@ class Spring {
 };
 
 // The device in joint coordinates: the equations of ImperfectPlant (sim/imperfect_plant.hpp), with the mechanism's
-// inertia and free acceleration constant during a part of a tick. They are those of its middle.
+// inertia and free acceleration constant during a part of a tick. They are those of its middle, by derivatives at a
+// place near it (local_dynamics.hpp).
 template <int N>
 class Device {
  public:
@@ -123,8 +126,7 @@ class Device {
         cogging_(device_.cogging),
         phase_(device_.coggingPhase),
         hasCogging_(drive_.periods > 0.0 && (drive_.torqueRipple > 0.0 || cogging_.maxCoeff() > 0.0)),
-        kinematics_(device_.mechanism->home()),
-        before_(kinematics_.jacobian) {}
+        kinematics_(device_.mechanism->home()) {}
 
   // Put the device at rest at a reading. Returns whether it reaches it.
   bool start(const JointVector& reading) {
@@ -132,10 +134,8 @@ class Device {
     JointVector q = reading - device_.offset - compliance * device_.mechanism->home().gravity;
     kinematics_ = device_.mechanism->home();
     if (device_.mechanism->track(q, JointVector::Zero(n_), false, kinematics_) != Status::ok) return false;
-    before_ = kinematics_.jacobian;
-    turning_ = 0.0 * before_;
     link_ = {q, Vector::Zero(n_)};
-    last_ = link_.rate;
+    acceleration_ = link_.rate;
     rotor_ = {q + compliance * kinematics_.gravity, Vector::Zero(n_)};
     presliding_ = Vector::Zero(n_);
     return true;
@@ -143,30 +143,38 @@ class Device {
 
   Vector reading() const { return (hasCables() ? rotor_.angle : link_.angle) + device_.offset; }
 
-  // Freeze inertia and free acceleration for a part of a tick, `duration` s. Returns false if the mechanism cannot go
-  // there.
-  bool beginPart(double duration) {
+  // Compute the dynamics at a place: in the middle of the next `duration` s, if the acceleration continues. With
+  // `isKnot` also their derivatives. Returns false if the mechanism cannot go there.
+  bool beginPlace(double duration, bool isKnot) {
     if (!(link_.rate.norm() < kFastest)) return false;
-    const Vector rate = link_.rate + 0.5 * (link_.rate - last_);  // in the middle, if the acceleration continues
-    last_ = link_.rate;
-    const JointVector middle = link_.angle + 0.25 * duration * (link_.rate + rate), none = JointVector::Zero(n_);
-    if (device_.mechanism->track(middle, rate, true, kinematics_) != Status::ok) return false;
-    Vec6 free;
-    if (device_.mechanism->accelerate(kinematics_.pose, kinematics_.twist, none, Vec6::Zero(), free) != Status::ok)
-      return false;
-    const Jacobian turning = (kinematics_.jacobian - before_) / duration;  // J' at the beginning of the part
-    free -= (1.5 * turning - 0.5 * turning_) * rate;                       // J' q'
-    turning_ = turning;
-    before_ = kinematics_.jacobian;
-    falling_ = kinematics_.inverseTransposed.transpose() * free;
-    const Matrix inertia = kinematics_.inertia;
-    mobility_ = inertia.inverse();
-    if (!hasCogging_) return true;
+    const JointVector rates = link_.rate + 0.5 * duration * acceleration_,
+                      middle = link_.angle + 0.25 * duration * (link_.rate + rates);
+    if (dynamicsAt(*device_.mechanism, middle, rates, kinematics_, near_) != Status::ok) return false;
+    mobilityThere_ = near_.mobility;
+    if (isKnot) {
+      const DynamicsSlopes slopes = slopesAt(*device_.mechanism, kinematics_);
+      for (std::size_t i = 0; i < slopes.inertia.size(); ++i) inertiaSlopes_[i] = slopes.inertia[i];
+      gravitySlopes_ = slopes.gravity;
+    }
+    Matrix pushed(n_, n_);
+    balance_ = near_.balance - coriolis(near_.rates, pushed);
+    return true;
+  }
+
+  // Freeze inertia and free acceleration for a part of a tick, `duration` s. They are those of its middle, if the
+  // acceleration continues.
+  void beginPart(double duration) {
+    const Vector rate = link_.rate + 0.5 * duration * acceleration_;
+    const Vector away = link_.angle + 0.25 * duration * (link_.rate + rate) - near_.place;
+    Matrix change = Matrix::Zero(n_, n_), pushed(n_, n_);
+    for (Eigen::Index k = 0; k < n_; ++k) change += away[k] * inertiaSlopes_[static_cast<std::size_t>(k)];
+    mobility_ = mobilityThere_ - mobilityThere_ * (change * mobilityThere_);
+    falling_ = -(mobility_ * (balance_ + gravitySlopes_ * away + coriolis(rate, pushed)));
+    if (!hasCogging_) return;
     begin_ = hasCables() ? rotor_.angle : link_.angle;
     const Vector phase = drive_.periods * begin_ + phase_;
     sine_ = phase.array().sin();
     cosine_ = phase.array().cos();
-    return true;
   }
 
   // Move by `h` s under the torque of the motors. Friction has half a step before and after; two halves that meet are
@@ -181,6 +189,12 @@ class Device {
   struct Part {
     Vector angle, rate;
   };
+
+  // Coriolis and centrifugal torque. Column k of `pushed` becomes dM/dq_k q'.
+  Vector coriolis(const Vector& rate, Matrix& pushed) const {
+    for (Eigen::Index k = 0; k < n_; ++k) pushed.col(k).noalias() = inertiaSlopes_[static_cast<std::size_t>(k)] * rate;
+    return pushed * rate - 0.5 * pushed.transpose() * rate;
+  }
 
   bool hasCables() const noexcept { return drive_.cableStiffness > 0.0; }
 
@@ -211,6 +225,7 @@ class Device {
       sum[i] = disturbed(i, torque[i], link_.angle[i] + 0.5 * h * link_.rate[i]) - viscous_[i] * link_.rate[i];
     Vector acceleration = falling_ + mobility_ * sum;
     acceleration -= mobility_ * (0.5 * h * viscous_.cwiseProduct(acceleration));  // viscous friction of the middle
+    acceleration_ = acceleration;
     link_.angle += h * link_.rate + 0.5 * h * h * acceleration;
     link_.rate += h * acceleration;
   }
@@ -233,6 +248,7 @@ class Device {
       linkSum.rate += weights[stage] * pushed;
       rotorSum.angle += weights[stage] * rotor.rate;
       rotorSum.rate += weights[stage] * turned;
+      acceleration_ = pushed;
       if (stage == 3) break;
       const double step = ahead[stage] * h;
       const Vector linkRate = link.rate, rotorRate = rotor.rate;
@@ -254,11 +270,14 @@ class Device {
   Vector viscous_, friction_, cogging_, phase_;
   Vector begin_, sine_, cosine_;  // angle at the beginning of the part, and sine and cosine of its cogging
   bool hasCogging_;
-  Kinematics kinematics_;      // at the middle of the part
-  Jacobian before_, turning_;  // J at the middle of the part before, and J' between
-  Vector last_;                // rates at the beginning of the part before
-  Vector falling_;             // accelerations of the links without torque
-  Matrix mobility_;            // M^-1
+  Kinematics kinematics_;  // at the last place
+  LocalDynamics near_;     // there
+  Vector balance_;         // of near_, without the torque of its velocities
+  Matrix mobilityThere_, gravitySlopes_;
+  std::array<Matrix, N == Eigen::Dynamic ? kMaxJoints : N> inertiaSlopes_;
+  Vector acceleration_;  // of the links in the last step
+  Vector falling_;       // accelerations of the links without torque
+  Matrix mobility_;      // M^-1
   Part link_, rotor_;
   Vector presliding_;  // share of the friction, -1 to 1
 };
@@ -291,12 +310,14 @@ Simulated simulateJoints(const DeviceModel& model, const RecordedMotion& motion,
   require(device.start(motion.reading.col(first)),
           "the recorded joints are out of the reach of \"" + nameOf(model.device) + "\"");
   const double step = 1.0 / observer.substeps;
-  const int part = observer.substeps / observer.parts;
+  const int part = observer.substeps / observer.parts, place = observer.substeps / observer.places;
+  const int knot = observer.places > 1 ? 1 : kSlopeTicks;
   Motors<N> motors(model, motion, first);
   Spring<Vector> spring(observer, motion.period);
   Simulated simulated;
   simulated.reading.resize(motion.reading.rows(), count);
   Vector error = Vector::Zero(motion.reading.rows());
+  bool isNew = true;  // at the beginning, and after a restart
   for (Eigen::Index k = 0; k < count; ++k) {
     const Eigen::Index i = first + k;
     simulated.reading.col(k) = device.reading();
@@ -309,11 +330,16 @@ Simulated simulateJoints(const DeviceModel& model, const RecordedMotion& motion,
     bool isPossible = true;
     motors.beginTick(i, step * duration);
     for (int s = 0; s < observer.substeps; ++s) {
-      if (s % part == 0) isPossible = isPossible && device.beginPart(part * step * duration);
       const Vector torque = held + motors.mean(s * step, (s + 1) * step);
-      if (isPossible) device.move(step * duration, torque, s == 0, s + 1 == observer.substeps);
+      if (s % place == 0)
+        isPossible = isPossible && device.beginPlace(place * step * duration, isNew || (s == 0 && k % knot == 0));
+      if (!isPossible) continue;
+      if (s % part == 0) device.beginPart(part * step * duration);
+      device.move(step * duration, torque, s == 0, s + 1 == observer.substeps);
+      isNew = false;
     }
     if (isPossible) continue;
+    isNew = true;
     ++simulated.restarts;
     spring.restart();
     error.setZero();

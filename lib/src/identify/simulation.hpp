@@ -14,7 +14,8 @@ namespace enamel::identify {
 struct Observer {
   JointVector stiffness, damping;  ///< N m/rad and N m s/rad, or N/m and N s/m
   int substeps = 5;                ///< integration steps per tick, a multiple of `parts`
-  int parts = 1;                   ///< of a tick, with constant inertia and free acceleration
+  int parts = 1;                   ///< of a tick, with constant inertia and free acceleration; a multiple of `places`
+  int places = 1;                  ///< in a tick, where the dynamics of the mechanism are computed
 };
 
 inline constexpr double kObserverRate = 3.0, kObserverFilter = 30.0;  // Hz

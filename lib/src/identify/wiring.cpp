@@ -31,7 +31,7 @@ Eigen::MatrixXd smoothed(const Eigen::MatrixXd& rows, Eigen::Index half) {
 
 // Equations of one joint: needed torque, commands, and what is known of the friction.
 struct Equations {
-  Eigen::MatrixXd needed, command, sign;  // joints x equations
+  Eigen::MatrixXd needed, command, sign, rate;  // joints x equations
 };
 
 void append(Eigen::MatrixXd& all, const Eigen::MatrixXd& more) {
@@ -48,7 +48,7 @@ void addEquations(const DeviceModel& model, const RecordedMotion& motion, Equati
   const Eigen::MatrixXd reading = smoothed(motion.reading, half), command = smoothed(motion.command, half);
   const auto delay = static_cast<Eigen::Index>(kDelay / motion.period);
   Kinematics kinematics = device.mechanism->home();
-  Eigen::MatrixXd needed(reading.rows(), reading.cols() / every), commands = needed, signs = needed;
+  Eigen::MatrixXd needed(reading.rows(), reading.cols() / every), commands = needed, signs = needed, turning = needed;
   Eigen::Index count = 0;
   for (Eigen::Index i = half + every; i + half + every < reading.cols(); i += every) {
     const JointVector rates =
@@ -60,27 +60,30 @@ void addEquations(const DeviceModel& model, const RecordedMotion& motion, Equati
     if (!torque) continue;
     needed.col(count) = *torque + device.rotorInertia * (model.hasCables() ? 1.0 : 0.0) * acceleration;
     commands.col(count) = command.col(std::max<Eigen::Index>(0, i - delay));
-    signs.col(count++) = rates.cwiseSign();
+    signs.col(count) = rates.cwiseSign();
+    turning.col(count++) = rates;
   }
   append(equations.needed, needed.leftCols(count));
   append(equations.command, commands.leftCols(count));
   append(equations.sign, signs.leftCols(count));
+  append(equations.rate, turning.leftCols(count));
 }
 
-// Regression of the torque of joint i on the command of motor k, its friction and a constant.
+// Regression of the torque of joint i on the command of motor k, its friction, its damping and a constant.
 struct Regression {
   double gain = 0.0;      // of the command
   double residual = 1.0;  // share of the variance of the needed torque
 };
 
 Regression regression(const Equations& equations, Eigen::Index i, Eigen::Index k, bool isReversed) {
-  Eigen::MatrixXd terms(3, equations.needed.cols());
+  Eigen::MatrixXd terms(4, equations.needed.cols());
   terms.row(0) = (isReversed ? -1.0 : 1.0) * equations.command.row(k);
   terms.row(1) = -equations.sign.row(i);
-  terms.row(2).setOnes();
+  terms.row(2) = -equations.rate.row(i);
+  terms.row(3).setOnes();
   Eigen::RowVectorXd needed = equations.needed.row(i);
-  const Eigen::Matrix3d left = terms * terms.transpose();
-  Eigen::Vector3d gains = left.ldlt().solve(terms * needed.transpose());
+  const Eigen::Matrix4d left = terms * terms.transpose();
+  Eigen::Vector4d gains = left.ldlt().solve(terms * needed.transpose());
   if (!gains.allFinite()) gains.setZero();
   if (gains[0] < 0.0) gains.setZero();  // the other sign covers this
   const Eigen::RowVectorXd rest = needed - gains.transpose() * terms;
