@@ -9,7 +9,7 @@
 
 #include "compare/page_parts.hpp"
 #include "enamel/study/controllers.hpp"
-#include "study/figure_parts.hpp"
+#include "study/figures.hpp"
 #include "study/numbers.hpp"
 #include "study/pairs.hpp"
 

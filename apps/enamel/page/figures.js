@@ -71,11 +71,6 @@ const styled = layer => ({stroke: is(layer.colour || kInk), strokeWidth: is(laye
 const xy = {x: at('x', 'x'), y: at('y', 'y')}, tip = {tooltip: by('text')};
 const corners = {x: at('x', 'x0'), x2: at('x', 'x1'), y: at('y', 'y0'), y2: at('y', 'y1')};
 
-function quantile(sorted, share) {
-  const place = share * (sorted.length - 1), low = Math.floor(place);
-  return sorted[low] + (place - low) * (sorted[Math.min(low + 1, sorted.length - 1)] - sorted[low]);
-}
-
 // Box plots after Tukey (1977): median, quartiles, whiskers to the farthest value within 1.5 interquartile ranges.
 function boxMarks(layer, table) {
   const series = [...new Set(layer.boxes.map(box => box.series))], boxes = [], points = [], empty = [];
@@ -87,7 +82,7 @@ function boxMarks(layer, table) {
       empty.push({...base, text: title + ': no values'});
       continue;
     }
-    const [q1, median, q3] = [0.25, 0.5, 0.75].map(share => quantile(sorted, share)), reach = 1.5 * (q3 - q1);
+    const [q1, median, q3] = vega.quartiles(sorted), reach = 1.5 * (q3 - q1);
     const inside = sorted.filter(value => value >= q1 - reach && value <= q3 + reach);
     const low = Math.min(q1, inside[0]), high = Math.max(q3, inside[inside.length - 1]);
     boxes.push({...base, q1, median, q3, low, high, text: `${title}: median ${shown(median)}, quartiles ${shown(q1)} to ` +

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "study/figure_parts.hpp"
 #include "study/numbers.hpp"
 
 namespace enamel::app {

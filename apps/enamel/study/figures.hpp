@@ -6,7 +6,7 @@
 #include "enamel/control/impedance_map.hpp"
 #include "enamel/study/paired.hpp"
 #include "study/convergence.hpp"
-#include "study/plot.hpp"
+#include "study/page.hpp"
 #include "study/study.hpp"
 
 namespace enamel::app {
@@ -31,5 +31,23 @@ struct Figure {
 WallDevice wallDeviceOf(const Study& study);
 
 std::vector<Figure> figuresOf(const Study& study, const Findings& findings);
+
+std::string join(const std::vector<std::string>& parts, const std::string& between);
+
+/// Return the half width of the wall along x and y, mm.
+inline double edgeOf(const Study& study) { return 1e3 * study.plan.halfWidth; }
+
+/// Return a legend of all renderers.
+Json legendOf(const Study& study, bool filled = false);
+
+// push_figures.cpp: the device, and responses to pushes.
+Figure deviceFigure(const Study& study);
+Figure responseFigure(const Study& study, int scenario);
+Figure torqueFigure(const Study& study);
+
+// wall_figures.cpp: values over the wall.
+Figure stiffnessBoxes(const Study& study, const Findings& findings);
+Figure firstImpactMap(const Study& study, const Findings& findings);
+Figure steadyMap(const Study& study, const Findings& findings, int scenario);
 
 }  // namespace enamel::app

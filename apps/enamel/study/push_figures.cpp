@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "study/figure_parts.hpp"
+#include "study/figures.hpp"
 #include "study/numbers.hpp"
 
 namespace enamel::app {

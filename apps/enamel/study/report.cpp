@@ -7,10 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "design_results.hpp"
-#include "study/figure_parts.hpp"
 #include "study/numbers.hpp"
 #include "study/pairs.hpp"
-#include "study/report_parts.hpp"
 
 namespace enamel::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "study/numbers.hpp"
-#include "study/report_parts.hpp"
+#include "study/report.hpp"
 
 namespace enamel::app {
 

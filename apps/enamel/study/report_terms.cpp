@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "study/numbers.hpp"
-#include "study/report_parts.hpp"
+#include "study/report.hpp"
 
 namespace enamel::app {
 namespace {
