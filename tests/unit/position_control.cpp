@@ -466,6 +466,9 @@ TEST_CASE("the servo's options are checked", "[position_control]") {
   };
   refuse("position control: 0 encoder steps, must be 1 to 7", [](auto& o) { o.encoderStep.resize(0); });
   refuse("position control: encoder step 2 is 0, must be positive", [](auto& o) { o.encoderStep[2] = 0.0; });
+  refuse("position control: 5 largest torques, must be one for each encoder step",
+         [](auto& o) { o.effort.conservativeResize(5); });
+  refuse("position control: largest torque 1 is -1, must be 0 or more", [](auto& o) { o.effort[1] = -1.0; });
   refuse("position control: delay is 0 to 9 ticks, must be within 0 to 8, the smallest first",
          [](auto& o) { o.delayHigh = 9; });
   refuse("position control: delay is 3 to 2 ticks, must be within 0 to 8, the smallest first",

@@ -9,11 +9,12 @@ namespace enamel {
 /// Numbers of PushObserver::describe(), and the axes of the modes.
 struct ControlledModes {
   ModeData data;
+  JointVector unseen;  ///< of each joint, as PushObserver()
   int count;
   double handStep;                  ///< F_h, N
   double axes[kMaxJoints][kLanes];  ///< column k: mode k in joint coordinates
   Lane inertia, step, tremor;       ///< as PushObserver::State
-  Lane readingVariance, largestStep;
+  Lane readingVariance, largestStep, joint;
 };
 
 /// Return the modes of a renderer after its first tick. Realtime: yes.

@@ -80,8 +80,9 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix<kMech + 1>& c
     H += way * way.transpose() / kSubsteps;
   }
   const double reaction = (d.delay + 1) * d.period, whole = inertia + (kMech == 4 ? d.drive.rotorInertia : 0.0);
-  const double depth = 0.5 * d.pushShare / (1.0 - d.pushShare) * reaction * reaction / whole;  // per unit largest force
-  H /= depth * depth;
+  // The depth x, per unit largest force: until a command acts, and half an encoder step that no reading shows.
+  const double late = 0.5 * d.pushShare / (1.0 - d.pushShare) * reaction * reaction / whole;
+  H /= late * late + d.unseen * d.unseen;
   H(kMech + 1, kMech + 1) += d.forceCost;
   for (int i = 0; i < kMech; ++i) {
     for (int j = 0; j < kMech + 3; ++j) m.state[i][j] = power(i, j);
@@ -140,7 +141,7 @@ void ModeTable<kMech>::read(double logInertia, int lane, double (*value)[kLanes]
 template <int kMech>
 std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data) {
   constexpr std::size_t kKept = 8;
-  using Key = std::array<double, 9>;  // everything that determines a table
+  using Key = std::array<double, 10>;  // everything that determines a table
   static std::mutex mutex;
   static std::vector<std::pair<Key, std::shared_ptr<const ModeTable<kMech>>>> kept;  // most recently used last
   const Drive& drive = data.drive;
@@ -148,7 +149,7 @@ std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data) {
                    drive.bandwidth, drive.rotorInertia,
                    drive.stiffness, drive.damping,
                    data.pushShare,  data.forceCost,
-                   data.chance};
+                   data.chance,     data.unseen};
   const std::lock_guard lock(mutex);
   const auto found = std::find_if(kept.begin(), kept.end(), [&](const auto& entry) { return entry.first == key; });
   if (found != kept.end()) {

@@ -12,7 +12,7 @@
 //
 // u is the command, p the push of the hand on the link, and g the growth of p. A rigid transmission has q, q', m, p and
 // g only. The gains minimise the sum over all ticks of the integral of (q / x)^2 + rho (u / F)^2. F is the largest
-// force. x is the depth of a large step of the hand that no controller can avoid at this delay.
+// force. x is the depth of a large step of the hand that no controller can avoid at this delay and encoder step.
 #pragma once
 
 #include <memory>
@@ -34,6 +34,7 @@ struct ModeData {
   double forceCost;   ///< rho
   double modelError;  ///< share of the force that the model misses
   double chance;      ///< variance of the number of ticks in which a command acts; the mean is 1
+  double unseen;      ///< half an encoder step over the largest force, rad/(N m) or m/N
 };
 
 inline constexpr double kGrowthTime = 0.02;     ///< s, decay time of a push's growth

@@ -38,7 +38,16 @@ constexpr int kRefreshTicks = 8;  // between two updates of the inertia
 }  // namespace
 
 PositionControlOptions positionControlFor(const Mechanism& mechanism, double period, int delayLow, int delayHigh) {
-  return {period, mechanism.limits().encoderStep, delayLow, delayHigh, mechanism.limits().drive, mechanism.scale()};
+  const JointLimits& limits = mechanism.limits();
+  return {period, limits.encoderStep, limits.effort, delayLow, delayHigh, limits.drive, mechanism.scale()};
+}
+
+// Return half an encoder step over the largest torque of each joint; 0 of a joint without a motor.
+static JointVector unseenOf(const PositionControlOptions& options) {
+  JointVector unseen = JointVector::Zero(options.encoderStep.size());
+  for (Eigen::Index j = 0; j < unseen.size(); ++j)
+    if (options.effort[j] > 0.0) unseen[j] = 0.5 * options.encoderStep[j] / options.effort[j];
+  return unseen;
 }
 
 // The implementation: with rotors behind cables, or rigid.
@@ -145,7 +154,8 @@ PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControl
       delay_((options.delayLow + options.delayHigh + 1) / 2),
       chance_(1.0 - 1.0 / (options.delayHigh - options.delayLow + 1)),
       acts_(std::min(options.delayHigh - options.delayLow + 1.0, 1.0 + kRepeats * std::sqrt(chance_))),
-      observer_({options.period, delay_, options.drive, kPushShare, kForceCost, kModelError, chance_}) {}
+      observer_({options.period, delay_, options.drive, kPushShare, kForceCost, kModelError, chance_, 0.0},
+                unseenOf(options)) {}
 
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
@@ -170,10 +180,12 @@ PositionControlState PositionControlRenderer::ControllerOf<kMech>::state() const
 template <int kMech>
 ControlledModes PositionControlRenderer::ControllerOf<kMech>::modes() const noexcept {
   const typename Observer::State& s = memory_.observer;
-  ControlledModes m{observer_.data(), joints_, memory_.step, {}, s.inertia, s.step, s.tremor, {}, {}};
+  ControlledModes m{observer_.data(), unseenOf(options_), joints_, memory_.step, {}, s.inertia,
+                    s.step,           s.tremor,           {},      {},           {}};
   std::memcpy(m.axes, memory_.axes, sizeof m.axes);
   m.readingVariance = s.readingVariance;
   m.largestStep = s.largestStep;
+  m.joint = s.joint;
   return m;
 }
 
@@ -248,7 +260,7 @@ void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& fra
     for (int j = 0; j < n; ++j) {
       const double step = std::abs(V[j][k]) * options_.encoderStep[j];
       reading.variance += step * step / 12.0;
-      reading.largest = std::max(reading.largest, step);
+      if (step > reading.largest) reading.largest = step, reading.joint = j;
     }
     const double force = memory_.step * std::sqrt(hand);
     observer_.describe(memory_.observer, k, std::max(1e-9, L[k][k] - options_.drive.rotorInertia), force,
@@ -706,6 +718,12 @@ PositionControlRenderer::PositionControlRenderer(const PositionControlOptions& o
   for (Eigen::Index j = 0; j < step.size(); ++j)
     if (!(step[j] > 0.0 && std::isfinite(step[j])))
       refuse("encoder step " + std::to_string(j) + " is " + formatNumber(step[j]) + ", must be positive");
+  const JointVector& effort = options.effort;
+  if (effort.size() != step.size())
+    refuse(std::to_string(effort.size()) + " largest torques, must be one for each encoder step");
+  for (Eigen::Index j = 0; j < effort.size(); ++j)
+    if (!(effort[j] >= 0.0))
+      refuse("largest torque " + std::to_string(j) + " is " + formatNumber(effort[j]) + ", must be 0 or more");
   if (options.delayLow < 0 || options.delayLow > options.delayHigh || options.delayHigh > kMaxLoopDelay)
     refuse("delay is " + std::to_string(options.delayLow) + " to " + std::to_string(options.delayHigh) +
            " ticks, must be within 0 to " + std::to_string(kMaxLoopDelay) + ", the smallest first");

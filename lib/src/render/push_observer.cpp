@@ -32,7 +32,11 @@ const ObserverSteps<kMech>& steps() noexcept {
 }  // namespace
 
 template <int kMech>
-PushObserver<kMech>::PushObserver(const ModeData& data) : data_(data), table_(modeTableOf<kMech>(data)), model_{} {
+PushObserver<kMech>::PushObserver(const ModeData& data, const JointVector& unseen) : data_(data), model_{} {
+  for (Eigen::Index j = 0; j < unseen.size(); ++j) {
+    data_.unseen = unseen[j];
+    table_[static_cast<std::size_t>(j)] = modeTableOf<kMech>(data_);
+  }
   (void)steps<kMech>();  // detects the processor now, not in a tick
   // Zero if it is negligible: its products with covariances would be denormal numbers, which take a third of a tick.
   const double kept = std::exp(-lagOf(data.drive) * data.period);
@@ -49,6 +53,7 @@ void PushObserver<kMech>::describe(State& s, int k, double inertia, double step,
   s.tremor[k] = tremor;
   s.readingVariance[k] = reading.variance;
   s.largestStep[k] = reading.largest;
+  s.joint[k] = reading.joint;
 }
 
 template <int kMech>
@@ -59,7 +64,7 @@ void PushObserver<kMech>::start(State& s, int modes, const Lane& reading) noexce
   s.scaleVariance = kScalePrior * kScalePrior;
   for (int k = modes; k < kLanes; ++k) {
     s.inertia[k] = s.readingVariance[k] = s.largestStep[k] = 1.0;
-    s.step[k] = s.tremor[k] = 0.0;
+    s.step[k] = s.tremor[k] = s.joint[k] = 0.0;
   }
   for (int k = 0; k < kLanes; ++k) s.used[k] = k < modes ? 0.0 : 1.0;
   s.usedScale = Lane{};
@@ -118,7 +123,7 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
       }
       for (int j = 0; j <= i; ++j) s.P[at(i, j)][k] *= grows(i) * grows(j);
     }
-    table_->read(std::log(wanted), k, model_.value, model_.slope);
+    tableOf(s, k).read(std::log(wanted), k, model_.value, model_.slope);
   }
 }
 
@@ -126,13 +131,14 @@ template <int kMech>
 bool PushObserver<kMech>::accepts(const State& s, int modes) const noexcept {
   bool isSound = s.modes == modes && s.count >= 1 && s.count <= kMost - kBins;
   for (int p = 0; isSound && p < static_cast<int>(s.count); ++p) isSound = s.weight[p] > 0.0 && s.age[p] == 0.0;
+  for (int k = 0; isSound && k < modes; ++k) isSound = s.joint[k] >= 0.0 && s.joint[k] < modes;
   return isSound;
 }
 
 template <int kMech>
 void PushObserver<kMech>::reload(const State& s) noexcept {
   for (int k = 0; k < std::min(static_cast<int>(s.modes), kLanes); ++k)
-    if (s.used[k] > 0.0) table_->read(std::log(s.used[k]), k, model_.value, model_.slope);
+    if (s.used[k] > 0.0) tableOf(s, k).read(std::log(s.used[k]), k, model_.value, model_.slope);
 }
 
 template <int kMech>

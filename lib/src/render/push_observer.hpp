@@ -45,13 +45,14 @@ class PushObserver {
     Lane inertia, used;  // of the links' modes in the model; inertia of the numbers in use
     Lane usedScale;      // ln(mass / model's) of the numbers in use
     Lane step, tremor;   // standard deviations of the hand's force in the modes
-    Lane readingVariance, largestStep;
+    Lane readingVariance, largestStep, joint;
     double count, modes;
     double scale, scaleVariance;  // ln(mass / model's)
   };
-  /// Rounding of a mode's reading: its variance, and the largest encoder step in it.
+  /// Rounding of a mode's reading: its variance, the largest encoder step in it, and the joint with that step.
   struct Rounding {
     double variance = 0.0, largest = 0.0;
+    int joint = 0;
   };
   struct Moments {
     double mean, deviation;
@@ -63,7 +64,8 @@ class PushObserver {
     double lagKept, growthKept, growthSum;  // over a tick
   };
 
-  explicit PushObserver(const ModeData& data);
+  /// `unseen`: ModeData::unseen of each joint; that of `data` is not used.
+  PushObserver(const ModeData& data, const JointVector& unseen);
 
   /// Describe mode k: inertia, deviations of a step of the hand and of its tremor, rounding of a reading.
   void describe(State& s, int k, double inertia, double step, double tremor, const Rounding& reading) const noexcept;
@@ -114,8 +116,12 @@ class PushObserver {
  private:
   const double (&gain(int i) const noexcept)[kLanes] { return model_.value[ModeTable<kMech>::kGainAt + i]; }
 
+  const ModeTable<kMech>& tableOf(const State& s, int k) const noexcept {
+    return *table_[static_cast<std::size_t>(s.joint[k])];
+  }
+
   ModeData data_;
-  std::shared_ptr<const ModeTable<kMech>> table_;
+  std::array<std::shared_ptr<const ModeTable<kMech>>, kMaxJoints> table_;  // of each joint
   Model model_;
 };
 

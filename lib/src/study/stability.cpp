@@ -31,7 +31,8 @@ typename PushObserver<kMech>::State atRest(PushObserver<kMech> observer, const C
   constexpr double kSteady = 1e-10;
   typename Observer::State s{}, before{};
   for (int k = 0; k < m.count; ++k)  // without a largest step, readings are Gaussian, and the observer is linear
-    observer.describe(s, k, m.inertia[k], m.step[k], m.tremor[k], {m.readingVariance[k], 0.0});
+    observer.describe(s, k, m.inertia[k], m.step[k], m.tremor[k],
+                      {m.readingVariance[k], 0.0, static_cast<int>(m.joint[k])});
   observer.start(s, m.count, Lane{});
   Lane command{};
   for (int k = 0; k < m.count; ++k) {
@@ -139,7 +140,7 @@ std::vector<LinearLoop::Wall::Mode> LinearLoop::Wall::modesOf(const ControlledMo
                                                               const std::vector<LinearCase>& cases) {
   using Observer = PushObserver<kMech>;
   constexpr int kSeen = kMech + 3;
-  Observer observer(m.data);
+  Observer observer(m.data, m.unseen);
   read_ = observer.readState();
   std::vector<typename Observer::State> rest;
   for (const LinearCase& c : cases) rest.push_back(atRest<kMech>(observer, m, row, c));

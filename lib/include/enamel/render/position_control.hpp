@@ -31,6 +31,7 @@ inline constexpr int kMaxLoopDelay = 8;
 struct PositionControlOptions {
   double period = 1e-3;             ///< of the ticks, s
   JointVector encoderStep;          ///< step of each joint's encoder, rad or m; one per joint of the device
+  JointVector effort;               ///< largest torque or force of each joint, N m or N; 0: no motor
   int delayLow = 0, delayHigh = 0;  ///< delay of a command, ticks: constant if equal, else random in between
   Drive drive;                      ///< transmission between command and joint
   double scale = 1.0;               ///< Mechanism::scale()
