@@ -134,8 +134,7 @@ namespace {
 
 // Show one scene or recording after another in a window, until a person, a script or a signal ends it. A dropped
 // recording replaces the experiment, and a dropped scene or scan a recording: `next` becomes its path.
-int showInWindow(const Options& options, WindowSurface& surface, double started, std::string& next) {
-  Signals signals;
+int showInWindow(const Options& options, WindowSurface& surface, Signals& signals, double started, std::string& next) {
   ScriptPlayer script(options);
   Viewer viewer(options, surface);
   Input target(viewer);
@@ -200,6 +199,7 @@ int showInWindow(const Options& options, WindowSurface& surface, double started,
 }  // namespace
 
 int runInWindow(const Options& options, double started) {
+  Signals signals;
   makeFolder(options.record);
   Options shown = options;
   std::string next;
@@ -207,7 +207,7 @@ int runInWindow(const Options& options, double started) {
   const auto surface = openWindow("Enamel", options.size);
   for (int status = 0;;) {
     next.clear();
-    status = showInWindow(shown, *surface, started, next);
+    status = showInWindow(shown, *surface, signals, started, next);
     if (status != 0 || next.empty()) return status;
     shown.script.clear();
     shown.play = isRecording(next) ? next : "";
