@@ -18,7 +18,8 @@ const std::string kFolder = ENAMEL_PLUGINS, kLibrary = ENAMEL_DHD_STAND_IN;
 // An omega.3 at rest, without faults. Its forces have the axes of the SDK.
 struct StandIn : test::StandIn {
   StandIn() : test::StandIn(kLibrary, "dhd") {
-    for (const char* fault : {"unplugged", "early", "button", "turn-x", "turn-y", "turn-z", "place-z"}) set(fault, 0.0);
+    for (const char* fault : {"unplugged", "early", "button", "turn-x", "turn-y", "turn-z", "place-z", "push"})
+      set(fault, 0.0);
     set("power", 1.0);
     set("count", 1.0);
     set("model", 3.0);

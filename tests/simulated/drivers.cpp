@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <iostream>
+#include <memory>
 #include <random>
 #include <thread>
 
@@ -28,6 +29,8 @@ std::chrono::steady_clock::time_point std::chrono::steady_clock::now() noexcept 
 }
 
 namespace enamel::test_drivers {
+
+using test::openAt;
 
 namespace {
 
@@ -56,9 +59,9 @@ struct Rig {
 };
 
 // The device of a driver: each measure() is a step of the simulated time.
-class Stepped final : public HapticDevice {
+class SteppedDevice final : public HapticDevice {
  public:
-  Stepped(HapticDevice& device, const Rig& rig, double step) : device_(device), rig_(rig), step_(step) {}
+  SteppedDevice(HapticDevice& device, const Rig& rig, double step) : device_(device), rig_(rig), step_(step) {}
   void open() override { device_.open(); }
   void close() noexcept override { device_.close(); }
   [[nodiscard]] Status measure(Measurement& m) noexcept override {
@@ -82,6 +85,32 @@ class Stepped final : public HapticDevice {
   double step_, steps_ = 0.0, passed_ = 0.0;  // s
 };
 
+// Position control, or a spring, at a flat wall through a driver.
+struct DriverLoop {
+  OpenedDevice opened;
+  std::unique_ptr<Renderer> renderer;
+  Scene scene = flatWall();
+  Tool tool;
+  SteppedDevice device;
+  HapticTick haptics;
+  HapticLoopOptions options;
+
+  explicit DriverLoop(const Rig& rig, const ImpedanceOptions* spring = nullptr)
+      : opened(openAt(rig.url)),
+        renderer(rendererFor(opened, spring)),
+        device(*opened.device, rig, opened.poll > 0.0 ? opened.poll : kPeriod),
+        haptics(*opened.mechanism, scene, tool, *renderer, kPeriod) {
+    options.period = opened.poll;
+  }
+
+ private:
+  static std::unique_ptr<Renderer> rendererFor(const OpenedDevice& opened, const ImpedanceOptions* spring) {
+    if (spring != nullptr) return std::make_unique<ImpedanceRenderer>(*spring);
+    return std::make_unique<PositionControlRenderer>(
+        positionControlFor(*opened.mechanism, kPeriod, opened.delay.low, opened.delay.high));
+  }
+};
+
 struct Result {
   std::map<std::string, int> faults;                     // begun
   std::array<int, kGuardReasons> latched{};              // faults of the guard
@@ -92,17 +121,9 @@ struct Result {
 };
 
 Result run(const Rig& rig, double duration) {
-  OpenDeviceOptions how;
-  how.pluginFolder = ENAMEL_PLUGINS;
-  OpenedDevice opened = openDevice(rig.url, how);
-  const double step = opened.poll > 0.0 ? opened.poll : kPeriod;
-  Stepped device(*opened.device, rig, step);
-  PositionControlRenderer renderer(positionControlFor(*opened.mechanism, kPeriod, opened.delay.low, opened.delay.high));
-  const Scene scene = flatWall();
-  const Tool tool;
-  HapticTick haptics(*opened.mechanism, scene, tool, renderer, kPeriod);
-  HapticLoopOptions options;
-  options.period = opened.poll;
+  DriverLoop loop(rig);
+  SteppedDevice& device = loop.device;
+  HapticTick& haptics = loop.haptics;
   std::mt19937_64 random(test::seed());
   const auto between = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
@@ -113,7 +134,7 @@ Result run(const Rig& rig, double duration) {
   double toggle = 3.0, latched = -1.0, ended = 0.0, free = 0.0;  // s: next change; times of events; -1: no fault
   std::uint64_t contactBefore = 0;
   while (device.time() < duration) {
-    LoopBody body(device, haptics, options);
+    LoopBody body(device, haptics, loop.options);
     while (device.time() < duration) {
       const double now = device.time();
       if (now >= toggle) {
@@ -198,19 +219,10 @@ struct Pushes {
 
 // Mean depth stiffness of pushes, N/m. Each begins at another moment of a tick.
 double depthStiffness(const Rig& rig, const Pushes& pushes, bool isSpring) {
-  OpenDeviceOptions how;
-  how.pluginFolder = ENAMEL_PLUGINS;
-  OpenedDevice opened = openDevice(rig.url, how);
-  const double step = opened.poll > 0.0 ? opened.poll : kPeriod;
-  Stepped device(*opened.device, rig, step);
-  PositionControlRenderer control(positionControlFor(*opened.mechanism, kPeriod, opened.delay.low, opened.delay.high));
-  ImpedanceRenderer spring(ImpedanceOptions{pushes.stiffness, pushes.damping});
-  const Scene scene = flatWall();
-  const Tool tool;
-  HapticTick haptics(*opened.mechanism, scene, tool, isSpring ? static_cast<Renderer&>(spring) : control, kPeriod);
-  HapticLoopOptions options;
-  options.period = opened.poll;
-  LoopBody body(device, haptics, options);
+  const ImpedanceOptions spring{pushes.stiffness, pushes.damping};
+  DriverLoop loop(rig, isSpring ? &spring : nullptr);
+  SteppedDevice& device = loop.device;
+  LoopBody body(device, loop.haptics, loop.options);
   std::mt19937_64 random(test::seed());
   std::normal_distribution<double> noise(0.0, pushes.noise);
   const auto hold = [&](double force, double duration) {
@@ -232,7 +244,7 @@ double depthStiffness(const Rig& rig, const Pushes& pushes, bool isSpring) {
     sum += pushes.force / (rest - rig.path(false));
     hold(pushes.force, 0.1);
   }
-  CHECK(haptics.guard().fault() == GuardReason::none);
+  CHECK(loop.haptics.guard().fault() == GuardReason::none);
   rig.push(0.0);
   return sum / count;
 }

@@ -25,7 +25,7 @@ double medianOf(std::vector<double>& times) {
 
 }  // namespace
 
-TEST_CASE("a session costs little more than its tick, and the C interface at most 0.3 us more", "[timing]") {
+TEST_CASE("a session costs little more than its tick, and the C interface little more than a session", "[timing]") {
   const auto mechanism = makeMechanism(DeviceParameters(test::nominal()));
   const Scene wall = flatWall();
   const auto renderer = makeLinked(kPositionControl, {}, mechanism, 1e-3);
@@ -75,7 +75,7 @@ TEST_CASE("a session costs little more than its tick, and the C interface at mos
   CAPTURE(1e6 * alone, 1e6 * cpp, 1e6 * c);
   WARN("whole tick " << 1e6 * alone << " us, session " << 1e6 * cpp << " us, C interface " << 1e6 * c << " us");
   CHECK(cpp < 1.5 * alone);
-  CHECK(c - cpp < 0.3e-6);
+  CHECK(c < 1.15 * cpp);  // 0.3 us where a tick takes 2 us
   enamel_session_destroy(handle);
 }
 

@@ -42,20 +42,6 @@ std::vector<Condition> conditionsOf(const CompareOptions& options) {
   return conditions;
 }
 
-// Adjust the tests for the number of comparisons of all plants and delays.
-void adjustPairs(std::vector<Condition>& conditions) {
-  std::vector<double> ps;
-  for (const Condition& c : conditions)
-    for (const PairedComparison& pair : c.pairs) ps.push_back(pair.wall.p);
-  const std::vector<double> adjusted = holm(ps);
-  std::size_t i = 0;
-  for (Condition& c : conditions)
-    for (PairedComparison& pair : c.pairs) {
-      pair.wallAdjusted = adjusted[i++];
-      if (!(pair.wallAdjusted < 0.05)) pair.verdict = PairedVerdict::undecided;
-    }
-}
-
 // Return false if other parts of the runs are missing.
 bool completePushes(const std::vector<Condition>& conditions) {
   bool complete = true;
@@ -123,7 +109,10 @@ void runCompare(CompareOptions options) {
     if (&c != &conditions.front()) fmt::print("\n");
     printTasks(c);
   }
-  adjustPairs(conditions);
+  std::vector<PairedComparison*> pairs;
+  for (Condition& c : conditions)
+    for (PairedComparison& pair : c.pairs) pairs.push_back(&pair);
+  judgeWalls(pairs);
   if (!study.output.empty()) writeResults(options, conditions);
 }
 

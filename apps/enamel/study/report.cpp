@@ -106,10 +106,8 @@ void addSummary(Page& page, const Study& study, const Findings& findings, const 
   for (const ColumnLabel& label : study.labels) names.push_back("<b>" + escape(label.title) + "</b>");
   page.paragraph(fmt::format(
       "Compared in simulation: {}, on a virtual wall. A simulated person pushes the tool into the wall at {} query "
-      "points, {} times at "
-      "each, with the same random forces for every renderer. Stiffness is the force of a push divided by "
-      "the depth that "
-      "the tool reaches in 0.1 s (K_d), or divided by the rms depth if a hand presses.",
+      "points, {} times at each, with the same random forces for every renderer. Stiffness is the force of a push "
+      "divided by the depth that the tool reaches in 0.1 s (K_d), or divided by the rms depth if a hand presses.",
       join(names, ", "), study.plan.points(), study.plan.runs));
   std::vector<std::string> worse;
   for (const PairedComparison& c : findings.pairs) {

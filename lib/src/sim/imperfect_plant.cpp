@@ -166,7 +166,6 @@ Status ImperfectPlant::start(const Pose& pose) {
   Kinematics kinematics;
   if (const Status status = rest(pose, kinematics); status != Status::ok) return status;
   Motion motion;
-  motion.platform = state_;
   if (const Status status = linearize(state_, kinematics, motion.linear); status != Status::ok) return status;
   const Padded q = padded<Padded>(kinematics.q), none = Padded::Zero();
   motion.drives = {q, none, q + padded<Padded>(windUp(device_.imperfections, kinematics.gravity)), none};
@@ -198,13 +197,14 @@ Status ImperfectPlant::advance(double time, double duration, const JointVector& 
     for (double& t : asked) t = step * std::nearbyint(t / step);
   asked.array() *= device_.torqueConstant.array();
   const Padded constant = padded<Padded>(asked);
+  DeviceState platform = state_;
   Motion motion = motion_;
   for (int i = 0; i < parts; ++i) {
-    if (const Status s = movePart(time + i * part, part, constant, load, motion); s != Status::ok) return s;
-    if (!isWithinSpeedLimits(motion.platform)) return Status::outOfRange;
+    if (const Status s = movePart(time + i * part, part, constant, load, platform, motion); s != Status::ok) return s;
+    if (!isWithinSpeedLimits(platform)) return Status::outOfRange;
   }
+  state_ = platform;
   motion_ = motion;
-  state_ = motion.platform;
   return Status::ok;
 }
 
@@ -222,8 +222,7 @@ Status ImperfectPlant::linearize(const DeviceState& state, Kinematics& kinematic
 }
 
 Status ImperfectPlant::movePart(double time, double duration, const Padded& asked, const ExternalWrench& load,
-                                Motion& motion) const noexcept {
-  DeviceState& platform = motion.platform;
+                                DeviceState& platform, Motion& motion) const noexcept {
   Drives& drives = motion.drives;
   Linear& linear = motion.linear;
   const auto pushed = [&](double t, const DeviceState& at) {
@@ -291,6 +290,7 @@ ImperfectPlant::Padded ImperfectPlant::meanCurrent(double h, const Padded& asked
 // Advance the friction by h at constant speeds.
 void ImperfectPlant::slide(double h, Motion& motion) const noexcept {
   for (Eigen::Index i = 0; i < device_.offset.size(); ++i) {
+    if (device_.coulombFriction[i] == 0.0) continue;
     const double speed = motion.drives.speed[i], limit = std::copysign(kPresliding, speed);
     motion.presliding[i] = limit + (motion.presliding[i] - limit) * std::exp(-std::abs(speed) * h / kPresliding);
   }
@@ -301,10 +301,11 @@ ImperfectPlant::Padded ImperfectPlant::torqueAt(const Padded& angle, const Padde
                                                 const Padded& presliding) const noexcept {
   const Imperfections& e = device_.imperfections;
   Padded torque = current;
-  for (Eigen::Index i = 0; i < device_.cogging.size(); ++i)
-    torque[i] +=
-        (e.torqueRipple * torque[i] + device_.cogging[i]) * std::sin(e.periods * angle[i] + device_.coggingPhase[i]) -
-        device_.coulombFriction[i] * presliding[i] / kPresliding;
+  for (Eigen::Index i = 0; i < device_.cogging.size(); ++i) {
+    if (const double amplitude = e.torqueRipple * torque[i] + device_.cogging[i]; amplitude != 0.0)
+      torque[i] += amplitude * std::sin(e.periods * angle[i] + device_.coggingPhase[i]);
+    torque[i] -= device_.coulombFriction[i] * presliding[i] / kPresliding;
+  }
   return torque;
 }
 

@@ -185,7 +185,6 @@ int PairedComparison::count(PairedVerdict v) const noexcept {
 std::vector<PairedComparison> comparePairs(const StudyPlan& plan, const std::vector<StudyResult>& results,
                                            std::size_t a, const std::vector<PairedQuestion>& questions) {
   std::vector<PairedComparison> all;
-  std::vector<double> walls;
   for (const PairedQuestion& question : questions) {
     if (std::count(plan.scenarios.begin(), plan.scenarios.end(), question.scenario) == 0) continue;
     const std::size_t first = all.size();
@@ -195,7 +194,6 @@ std::vector<PairedComparison> comparePairs(const StudyPlan& plan, const std::vec
       if (b == a) continue;
       all.push_back(compareOnce(plan, results, a, b, question, lost.emplace_back()));
       for (const MeanDifference& d : all.back().points) points.push_back(d.p);
-      walls.push_back(all.back().wall.p);
     }
     const std::vector<double> adjusted = holm(points);
     for (std::size_t i = first; i < all.size(); ++i)
@@ -206,12 +204,21 @@ std::vector<PairedComparison> comparePairs(const StudyPlan& plan, const std::vec
             verdictOf(question, c.points[p], c.adjusted.back(), lost[i - first].a[p], lost[i - first].b[p]));
       }
   }
-  walls = holm(walls);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].wallAdjusted = walls[i];
-    all[i].verdict = verdictOf(all[i].question, all[i].wall, walls[i], all[i].lostA, all[i].lostB);
-  }
+  std::vector<PairedComparison*> walls;
+  for (PairedComparison& c : all) walls.push_back(&c);
+  judgeWalls(walls);
   return all;
+}
+
+void judgeWalls(const std::vector<PairedComparison*>& comparisons) {
+  std::vector<double> ps;
+  for (const PairedComparison* c : comparisons) ps.push_back(c->wall.p);
+  const std::vector<double> adjusted = holm(ps);
+  for (std::size_t i = 0; i < comparisons.size(); ++i) {
+    PairedComparison& c = *comparisons[i];
+    c.wallAdjusted = adjusted[i];
+    c.verdict = verdictOf(c.question, c.wall, adjusted[i], c.lostA, c.lostB);
+  }
 }
 
 }  // namespace enamel

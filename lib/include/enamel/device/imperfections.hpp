@@ -5,7 +5,8 @@
 namespace enamel {
 
 /// The table [imperfections] of a device file. Zero, the default, means ideal. All values are at the joint's side and
-/// the same for all driven joints. data/README.md gives the sources of the values in the shipped file.
+/// the same for all driven joints. On Cartesian devices N m means N, and rad means m. data/README.md gives the sources
+/// of the values in the shipped file.
 struct Imperfections {
   double currentBandwidth = 0.0;  ///< f of the current loop, Hz: torque' = 2 pi f (command - torque); 0: no lag
   double torqueStep = 0.0;        ///< rounding step of the amplifier, N m

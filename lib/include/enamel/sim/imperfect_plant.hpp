@@ -15,10 +15,10 @@ namespace enamel {
 struct ImperfectDevice {
   Imperfections imperfections;
   std::shared_ptr<const Mechanism> mechanism;  ///< as built; without rotors if cables hold them
-  double rotorInertia = 0.0;                   ///< as built, kg m^2
-  JointVector offset;                          ///< of the encoders, rad
+  double rotorInertia = 0.0;                   ///< as built, kg m^2; kg on Cartesian devices
+  JointVector offset;                          ///< of the encoders, rad; m on Cartesian devices
   JointVector torqueConstant;                  ///< of each motor, torque per commanded torque; empty: 1
-  JointVector coulombFriction, cogging;        ///< of each joint, N m; empty: all as in `imperfections`
+  JointVector coulombFriction, cogging;        ///< of each joint, N m or N; empty: all as in `imperfections`
   JointVector coggingPhase;                    ///< of each joint, of cogging and ripple, rad; empty: 0
 };
 
@@ -74,14 +74,13 @@ class ImperfectPlant final : public Plant {
     Eigen::Matrix<double, kMaxJoints + 1, kMaxJoints + 1> mobility;
   };
   struct Motion {
-    DeviceState platform;
     Drives drives;
     Padded current, presliding;  // m, z
     Linear linear;               // at the middle of the last part
   };
   bool isRigid() const noexcept { return device_.imperfections.cableStiffness == 0.0; }
   Status linearize(const DeviceState& state, Kinematics& kinematics, Linear& linear) const noexcept;
-  Status movePart(double time, double duration, const Padded& asked, const ExternalWrench& load,
+  Status movePart(double time, double duration, const Padded& asked, const ExternalWrench& load, DeviceState& platform,
                   Motion& motion) const noexcept;
   Padded meanCurrent(double h, const Padded& asked, Padded& current) const noexcept;
   void slide(double h, Motion& motion) const noexcept;
@@ -91,7 +90,7 @@ class ImperfectPlant final : public Plant {
   ImperfectDevice device_;
   double step_;       // s
   double resonance_;  // the highest of rotors, cables and friction, or more, rad/s
-  Motion motion_;     // its platform is state()
+  Motion motion_;     // at state()
 };
 
 }  // namespace enamel

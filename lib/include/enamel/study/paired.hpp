@@ -58,7 +58,7 @@ struct PairedComparison {
   std::vector<double> adjusted;         ///< Holm's p of each point, for all points and columns of the question
   std::vector<PairedVerdict> verdicts;  ///< of each point
   MeanDifference wall;                  ///< mean of the points' means
-  double wallAdjusted = std::numeric_limits<double>::quiet_NaN();  ///< Holm's p, for all comparisons of the call
+  double wallAdjusted = std::numeric_limits<double>::quiet_NaN();  ///< Holm's p, of judgeWalls()
   PairedVerdict verdict = PairedVerdict::undecided;                ///< of the wall
   double largerShare = std::numeric_limits<double>::quiet_NaN();   ///< share of the pairs in which a is larger
   int lostA = 0, lostB = 0;                                        ///< runs
@@ -68,8 +68,12 @@ struct PairedComparison {
 };
 
 /// Compare column `a` with each other column, for each question whose scenario the plan has. A pair counts if both runs
-/// have the metric and none is lost. `results` must be complete and in the order of their numbers. Realtime: no.
+/// have the metric and none is lost. `results` must be complete and in the order of their numbers. The walls are judged
+/// for the comparisons of this call. Realtime: no.
 std::vector<PairedComparison> comparePairs(const StudyPlan& plan, const std::vector<StudyResult>& results,
                                            std::size_t a, const std::vector<PairedQuestion>& questions);
+
+/// Adjust the tests of the walls for the number of all `comparisons`, and give each its verdict. Realtime: no.
+void judgeWalls(const std::vector<PairedComparison*>& comparisons);
 
 }  // namespace enamel
