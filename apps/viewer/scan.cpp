@@ -22,14 +22,14 @@ bool endsWith(const std::string& path, std::initializer_list<const char*> ending
 }
 
 // Sums over the triangles of a mesh.
-struct Surface {
+struct SurfaceSums {
   double area = 0.0;
   Vec3 vector = Vec3::Zero();  // sum of area times normal; zero if the mesh is closed
   Mat3 spread = Mat3::Zero();  // covariance of the area
 };
 
-Surface surfaceOf(const TriangleMesh& mesh) {
-  Surface surface;
+SurfaceSums sumsOf(const TriangleMesh& mesh) {
+  SurfaceSums surface;
   Vec3 mean = Vec3::Zero();
   for (const int pass : {0, 1})
     for (const auto& triangle : mesh.triangles) {
@@ -53,7 +53,7 @@ Surface surfaceOf(const TriangleMesh& mesh) {
 // Return the rotation that turns the occlusal side of a scan towards z.
 Mat3 occlusalRotation(const TriangleMesh& mesh) {
   constexpr double open = 0.1, near = 0.866;  // share of the area; cosine of 30 deg
-  const Surface surface = surfaceOf(mesh);
+  const SurfaceSums surface = sumsOf(mesh);
   if (!(surface.vector.norm() > open * surface.area)) return Mat3::Identity();
   Vec3 up = surface.vector.normalized();
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(surface.spread);
