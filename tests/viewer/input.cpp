@@ -239,7 +239,7 @@ TEST_CASE("a drag beside the tool turns the view, the middle button shifts it, a
 
 TEST_CASE("the field shows the tip of the tool and what is nearest, large; a drag meets the tool along its handle",
           "[viewer]") {
-  for (const char* name : {"flat-wall", "jaw", "cusps", "molar", "drill", "corner", "box", "oblique-wall"}) {
+  for (const char* name : {"flat-wall", "jaw", "cusps", "corner", "box", "oblique-wall"}) {
     INFO(name);
     const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + std::string(name) + ".toml");
     const Camera camera = fieldCamera(scene);
