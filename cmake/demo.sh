@@ -25,7 +25,7 @@ build/release/apps/enamel/enamel bench --scale 0.2
 if [ ! -x "$viewer" ]; then
   echo "== no viewer: VTK, GLFW, GLM or Dear ImGui is missing"
 elif [ -n "${DISPLAY:-}" ]; then
-  echo "== the viewer: drag to move the hand, wheel to press, Tab swaps the renderers, F1 lists every key"
+  echo "== the viewer: drag the tool to move the hand, press at the left, Tab swaps the renderers, F1 lists every key"
   exec "$viewer"
 else
   echo "== no display: the push is recorded; the pictures:"

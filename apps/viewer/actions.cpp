@@ -27,13 +27,18 @@ const std::vector<ActionRow>& actionRows() {
       {Action::clip, "clip", "Ctrl+M", "start or stop a clip (PNGs, MP4)", GLFW_KEY_M, true},
       {Action::faster, "faster", "+", "faster; a run up to real time", GLFW_KEY_EQUAL, false, Source::timed},
       {Action::slower, "slower", "-", "slower; a run down to 1:1000", GLFW_KEY_MINUS, false, Source::timed},
-      {Action::camera1, "camera-user", "1", "view: user", GLFW_KEY_1, false},
-      {Action::camera2, "camera-side", "2", "view: side", GLFW_KEY_2, false},
-      {Action::camera3, "camera-top", "3", "view: top", GLFW_KEY_3, false},
-      {Action::camera4, "camera-close", "4", "view: close to the contact", GLFW_KEY_4, false},
+      {Action::cameraField, "camera-field", "1", "view: operating field", GLFW_KEY_1, false},
+      {Action::cameraDevice, "camera-device", "2", "view: whole device", GLFW_KEY_2, false},
+      {Action::cameraSide, "camera-side", "3", "view: side", GLFW_KEY_3, false},
+      {Action::cameraTop, "camera-top", "4", "view: top", GLFW_KEY_4, false},
       {Action::follow, "follow", "5", "view: follow the contact, on or off", GLFW_KEY_5, false},
       {Action::nextCamera, "next-camera", "]", "next view", GLFW_KEY_RIGHT_BRACKET, false},
       {Action::previousCamera, "previous-camera", "[", "previous view", GLFW_KEY_LEFT_BRACKET, false},
+      {Action::turnX, "turn-x", "X", "turn a scan by 90 deg about x", GLFW_KEY_X, false, Source::live},
+      {Action::turnY, "turn-y", "Y", "turn a scan about y", GLFW_KEY_Y, false, Source::live},
+      {Action::turnZ, "turn-z", "Z", "turn a scan about z", GLFW_KEY_Z, false, Source::live},
+      {Action::scanUnit, "scan-unit", "U", "next unit of a scan: mm, m, um", GLFW_KEY_U, false, Source::live},
+      {Action::saveScene, "save-scene", "Ctrl+S", "save a scan as a scene file", GLFW_KEY_S, true, Source::live},
       {Action::cutAway, "cut-away", "C", "cut a solid open at the tool", GLFW_KEY_C, false},
       {Action::sound, "sound", "M", "sound of the bur, on or off", GLFW_KEY_M, false, Source::live},
       {Action::help, "help", "F1", "this help", GLFW_KEY_F1, false},
@@ -42,7 +47,7 @@ const std::vector<ActionRow>& actionRows() {
       {Action::charts, "charts", "F4", "charts", GLFW_KEY_F4, false},
       {Action::fullScreen, "full-screen", "F5", "full screen", GLFW_KEY_F5, false},
       {Action::screenshot, "screenshot", "Ctrl+P", "save a PNG in the working folder", GLFW_KEY_P, true},
-      {Action::cancel, "cancel", "Esc", "end the tour, the help or typing", GLFW_KEY_ESCAPE, false},
+      {Action::cancel, "cancel", "Esc", "close what is open", GLFW_KEY_ESCAPE, false},
       {Action::quit, "quit", "Ctrl+Q", "end the viewer", GLFW_KEY_Q, true},
   };
   return rows;
@@ -50,15 +55,15 @@ const std::vector<ActionRow>& actionRows() {
 
 const std::vector<HelpRow>& drivingRows() {
   static const std::vector<HelpRow> rows{
-      {"Left drag", "move the hand across the view", Source::live},
+      {"Drag the tool", "move the hand across the view", Source::live},
       {"Shift+drag", "move the hand along the nearest wall", Source::live},
-      {"Wheel, E / Q", "press into the nearest wall, or release", Source::live},
+      {"E, Q, held", "press or lift (also Ctrl+wheel)", Source::live},
       {"A D W S", "move the hand left, right, up, down", Source::live},
       {"F, held", "pedal: the bur spins and drills", Source::live},
       {"Drag the bar", "go to any time", Source::recording},
-      {"Right drag", "turn the view"},
+      {"Drag beside it", "turn the view (also right drag)"},
       {"Middle drag", "shift the view"},
-      {"Ctrl+wheel", "zoom at the cursor"},
+      {"Wheel", "zoom at the cursor"},
   };
   return rows;
 }

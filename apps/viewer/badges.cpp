@@ -10,7 +10,17 @@
 
 namespace enamel::viewer {
 
-double handForce(const Frame& frame) { return -frame.record.nearest.normal.dot(frame.record.handWrench.head<3>()); }
+std::string guardText(GuardReason reason) {
+  switch (reason) {
+    case GuardReason::engaging: return "force fades in";
+    case GuardReason::slew: return "torque changes too fast";
+    case GuardReason::brake: return "brakes the fast tool";
+    case GuardReason::unreachable: return "the device cannot have this pose";
+    case GuardReason::energy: return "the wall gave energy";
+    case GuardReason::oscillation: return "the tool vibrates";
+    default: return toString(reason);
+  }
+}
 
 // Draw the state of the tool as one word.
 void drawStatus(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush) {
@@ -20,16 +30,16 @@ void drawStatus(float right, float y, const OverlayInput& input, const Frame& fr
   std::string chip = contact ? "contact" : "free";
   unsigned fill = contact ? kForce : kMuted;
   if (frame.testing) chip = "test push", fill = kChosen;
-  if (frame.record.status != Status::ok) chip = std::string("fault: ") + toString(frame.record.status), fill = kInk;
+  if (frame.record.status != Status::ok) chip = "no valid command", fill = kInk;
   if (frame.record.guard != GuardReason::none)
-    chip = std::string("guard: ") + toString(frame.record.guard) +
+    chip = (isFault(frame.record.guard) ? "stopped: " : "guard: ") + guardText(frame.record.guard) +
            (!isFault(frame.record.guard) || player != nullptr ? ""
             : input.live != nullptr                           ? "; Backspace continues"
                                                               : "; select it again"),
     fill = kInk;
   if (player != nullptr && player->gap() > 0)
     chip = format("%llu ticks missing here", static_cast<unsigned long long>(player->gap())), fill = kInk;
-  if (frame.plant != Status::ok) chip = std::string("stopped: ") + toString(frame.plant), fill = kInk;
+  if (frame.plant != Status::ok) chip = "stopped: left the workspace", fill = kInk;
   const float chipWidth = Brush::width(gFonts.bold, chip) + 20 * s;
   brush.list->AddRectFilled({right - chipWidth, y}, {right, y + 24 * s}, ink(fill), 12 * s);
   brush.text(gFonts.bold, right - chipWidth + 10 * s, y + 4 * s, 0xFFFFFF, chip);

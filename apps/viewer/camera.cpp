@@ -5,6 +5,8 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "enamel/collision/contacts.hpp"
+
 namespace enamel::viewer {
 namespace {
 
@@ -27,14 +29,33 @@ double Camera::height(double aspect) const {
 
 glm::dmat4 Camera::projection(double aspect) const { return glm::perspective(height(aspect), aspect, kNear, kFar); }
 
-const std::array<CameraPreset, 4>& cameraPresets() {
-  static const std::array<CameraPreset, 4> presets{{
-      {"user", {{14.0, -36.0, -16.0}, glm::radians(44.0), glm::radians(20.0), 580.0, 0.45}},
+const std::array<CameraPreset, 3>& cameraPresets() {
+  static const std::array<CameraPreset, 3> presets{{
+      {"device", {{14.0, -36.0, -16.0}, glm::radians(44.0), glm::radians(20.0), 580.0, 0.45}},
       {"side", {{0.0, -34.0, -22.0}, glm::radians(80.0), glm::radians(9.0), 560.0, 0.45}},
       {"top", {{0.0, -10.0, -10.0}, glm::radians(4.0), glm::radians(72.0), 620.0, 0.45}},
-      {"close", {{0.0, 0.0, 6.0}, glm::radians(52.0), glm::radians(20.0), 230.0, 0.45}},
   }};
   return presets;
+}
+
+Camera fieldCamera(const SceneFile& scene) {
+  constexpr double reach = 14.0, tip = 8.0, margin = 1.3, lift = 0.12;  // mm; mm; factors of the view's height
+  Pose start;
+  start.position = scene.start;
+  const Contact nearest = nearestContact(scene.scene, scene.tool, start, nullptr);
+  const glm::dvec3 tool = millimetres(scene.start);
+  const bool any = nearest.part >= 0 && nearest.gap < 0.05;
+  const glm::dvec3 surface = any ? millimetres(nearest.point - nearest.gap * nearest.normal) : tool;
+  const glm::dvec3 top = tool + glm::dvec3(0.0, 0.0, tip);
+  Camera camera;
+  camera.azimuth = glm::radians(38.0);
+  camera.elevation = glm::radians(24.0);
+  const double radius = 0.5 * (glm::distance(surface, top) + reach);
+  camera.distance = margin * radius / std::tan(0.5 * camera.angle);
+  // Numbers and the magnified contact cover the lower part of the picture.
+  camera.focus = 0.5 * (surface + top) - glm::dvec3(0.0, 0.0, 0.4 * reach);
+  pan(camera, 0.0, 2.0 * lift * camera.distance * std::tan(0.5 * camera.angle));
+  return camera;
 }
 
 void orbit(Camera& camera, double right, double up) {
@@ -50,28 +71,32 @@ void pan(Camera& camera, double right, double up) {
 
 void zoom(Camera& camera, double factor) { camera.distance = std::clamp(camera.distance * factor, kNearest, 2000.0); }
 
-void follow(Camera& camera, const glm::dvec3& point, double distance, double passed) {
+void follow(Camera& camera, const glm::dvec3& point, double passed) {
   constexpr double settling = 0.12;  // s
-  const double share = 1.0 - std::exp(-passed / settling);
-  camera.focus += share * (point - camera.focus);
-  camera.distance += share * (distance - camera.distance);
+  camera.focus += (1.0 - std::exp(-passed / settling)) * (point - camera.focus);
 }
 
-void CameraControl::select(std::size_t preset) {
-  preset_ = preset;
+void CameraControl::select(int view) {
+  view_ = view;
   follows_ = false;
-  camera_ = cameraPresets()[preset].camera;
+  camera_ = view == 0 ? field_ : cameraPresets()[static_cast<std::size_t>(view - 1)].camera;
 }
 
-void CameraControl::toggleFollowing(double now) {
-  follows_ = !follows_;
-  nearUntil_ = now + 0.6;
+void CameraControl::follow(const glm::dvec3& point, double passed) {
+  if (follows_) viewer::follow(camera_, point, passed);
 }
 
-// Move near the contact at first. Afterwards the person sets the distance with the wheel.
-void CameraControl::follow(const glm::dvec3& point, double now, double passed) {
-  constexpr double near = 120.0;  // mm
-  if (follows_) viewer::follow(camera_, point, now < nearUntil_ ? near : camera_.distance, passed);
+bool isOnTool(const Camera& camera, const glm::dvec2& size, const glm::dvec2& pixel, const glm::dvec3& tip,
+              const glm::dvec3& axis) {
+  constexpr double length = 88.0, thick = 4.5, least = 10.0, pieces = 24.0;  // mm, mm, pixels
+  for (double piece = 0.0; piece <= pieces; ++piece) {
+    const glm::dvec3 point = tip + piece / pieces * length * axis, seen = project(camera, size, point);
+    if (seen.z < 0.0 || seen.z > 1.0) continue;
+    const double near = glm::distance(camera.eye(), point);
+    const double wide = thick * size.y / (2.0 * near * std::tan(0.5 * camera.height(size.x / size.y)));
+    if (glm::distance(glm::dvec2(seen), pixel) < std::max(least, piece > 0.2 * pieces ? wide : 0.5 * wide)) return true;
+  }
+  return false;
 }
 
 glm::dvec3 project(const Camera& camera, const glm::dvec2& size, const glm::dvec3& point) {

@@ -4,7 +4,7 @@
 #include <array>
 #include <glm/glm.hpp>
 
-#include "enamel/core/types.hpp"
+#include "enamel/collision/scene_file.hpp"
 
 namespace enamel::viewer {
 
@@ -38,8 +38,15 @@ struct CameraPreset {
   Camera camera;
 };
 
-/// Return the views of the keys 1 to 4.
-const std::array<CameraPreset, 4>& cameraPresets();
+/// Return the views of the keys 2 to 4: the whole device, from three sides.
+const std::array<CameraPreset, 3>& cameraPresets();
+
+/// Return the view of the key 1: the operating field. The tip of the tool at its start and the nearest obstacle fill
+/// the view.
+Camera fieldCamera(const SceneFile& scene);
+
+/// At smaller distances the device's links are not drawn, mm.
+inline constexpr double kDeviceFrom = 230.0;
 
 inline constexpr double kNearest = 30.0;  ///< distance of a camera, mm
 
@@ -47,38 +54,42 @@ inline constexpr double kNearest = 30.0;  ///< distance of a camera, mm
 void orbit(Camera& camera, double right, double up);
 void pan(Camera& camera, double right, double up);
 void zoom(Camera& camera, double factor);
-/// Move the focus to a point (mm) and the distance to `distance`, with most of the way done in 0.5 s. `passed`: s.
-void follow(Camera& camera, const glm::dvec3& point, double distance, double passed);
+/// Move the focus to a point (mm), with most of the way done in 0.5 s. `passed`: s.
+void follow(Camera& camera, const glm::dvec3& point, double passed);
 
 /// A camera that a person turns or selects, or that follows the contact.
 class CameraControl {
  public:
-  CameraControl() { select(0); }
+  explicit CameraControl(const Camera& field) : field_(field), camera_(field) {}
 
   Camera& camera() { return camera_; }
   const Camera& camera() const { return camera_; }
-  /// Return "follow" or the name of the last selected preset.
-  const char* name() const { return follows_ ? "follow" : cameraPresets()[preset_].name; }
+  /// Return the number of the last selected view: 0 is the field, then the presets; 4 follows the contact.
+  int view() const { return follows_ ? 4 : view_; }
 
-  void select(std::size_t preset);
-  void selectNext() { select((preset_ + 1) % cameraPresets().size()); }
-  void selectPrevious() { select((preset_ + cameraPresets().size() - 1) % cameraPresets().size()); }
+  void select(int view);
+  void selectBy(int step) { select((view_ + step + 4) % 4); }
+  /// Set the operating field of another scene, and show it.
+  void setField(const Camera& field) { field_ = field, select(0); }
 
-  /// Start or stop to follow the contact at `now` (s).
-  void toggleFollowing(double now);
+  /// Start or stop to follow the contact.
+  void toggleFollowing() { follows_ = !follows_; }
   /// If the camera follows, move the focus towards a point (mm). `passed`: s.
-  void follow(const glm::dvec3& point, double now, double passed);
+  void follow(const glm::dvec3& point, double passed);
 
   /// Save the view for restore().
-  void keep() { keptCamera_ = camera_, keptPreset_ = preset_; }
-  void restore() { camera_ = keptCamera_, preset_ = keptPreset_; }
+  void keep() { keptCamera_ = camera_, keptView_ = view_; }
+  void restore() { camera_ = keptCamera_, view_ = keptView_; }
 
  private:
-  Camera camera_, keptCamera_;
-  std::size_t preset_ = 0, keptPreset_ = 0;
+  Camera field_, camera_, keptCamera_;
+  int view_ = 0, keptView_ = 0;
   bool follows_ = false;
-  double nearUntil_ = 0.0;  // s: until then it also moves nearer
 };
+
+/// Return whether a pixel of a picture of `size` is on the tool, which has its tip at `tip` (mm) and this axis.
+bool isOnTool(const Camera& camera, const glm::dvec2& size, const glm::dvec2& pixel, const glm::dvec3& tip,
+              const glm::dvec3& axis);
 
 /// Project a point of W (mm) into a picture of `size` pixels, from the top left; z is the depth, 0 to 1.
 glm::dvec3 project(const Camera& camera, const glm::dvec2& size, const glm::dvec3& point);

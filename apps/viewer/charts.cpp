@@ -124,7 +124,7 @@ void Charts::makeChart(vtkChartXY& chart, const std::string& font, double begin,
     axis->SetGridVisible(side == vtkAxis::LEFT || about);
     vtkTextProperty* text = axis->GetLabelProperties();
     text->SetColor(colour(kMuted).r, colour(kMuted).g, colour(kMuted).b);
-    text->SetFontSize(11);
+    text->SetFontSize(13);
     if (!font.empty()) {
       text->SetFontFamily(VTK_FONT_FILE);
       text->SetFontFile(font.c_str());

@@ -33,10 +33,4 @@ void Comparison::add(const PairSample& sample) {
   }
 }
 
-std::optional<Comparison::Ratio> Comparison::ratio() const {
-  const std::size_t deeper = deepest_[1] >= deepest_[0] ? 1 : 0, other = 1 - deeper;
-  if (std::min(strongest_[0], strongest_[1]) < kPressed || deepest_[deeper] < kLeast) return std::nullopt;
-  return Ratio{deeper, deepest_[deeper] / std::max(kLeast, deepest_[other]), deepest_[other] < kLeast};
-}
-
 }  // namespace enamel::viewer

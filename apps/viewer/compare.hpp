@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "signal_history.hpp"
@@ -23,11 +22,9 @@ struct PairSample {
 /// ticks. It is kept until the next one begins.
 class Comparison {
  public:
-  using History = SignalHistory<2>;        ///< depths
-  static constexpr int kApart = 300;       ///< ticks
-  static constexpr int kCurve = 800;       ///< largest number of points of a press's curve
-  static constexpr double kLeast = 2e-6;   ///< m: smaller depths are not measured
-  static constexpr double kPressed = 1.0;  ///< N: presses with less force have no ratio
+  using History = SignalHistory<2>;   ///< depths
+  static constexpr int kApart = 300;  ///< ticks
+  static constexpr int kCurve = 800;  ///< largest number of points of a press's curve
 
   struct Point {
     float depth = 0.0f, force = 0.0f;  ///< m, N
@@ -43,15 +40,6 @@ class Comparison {
   const std::vector<Point>& curve(std::size_t side) const { return curves_[side]; }
   double deepest(std::size_t side) const { return deepest_[side]; }
   double strongest(std::size_t side) const { return strongest_[side]; }
-
-  /// Ratio of the two depths. It is missing if either tool was pressed with less than kPressed, or if both depths are
-  /// below kLeast.
-  struct Ratio {
-    std::size_t deeper;  ///< side of the deeper tool
-    double times;        ///< ratio, at least 1
-    bool atLeast;        ///< the other depth is below kLeast, and kLeast replaces it
-  };
-  std::optional<Ratio> ratio() const;
 
  private:
   History depths_;

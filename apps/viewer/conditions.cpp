@@ -1,16 +1,33 @@
 #include "conditions.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "hand.hpp"
 #include "settings.hpp"
 
 namespace enamel::viewer {
 
-Delivered deliveredOf(const TickRecord& record) noexcept {
-  const Vec3 force = record.rendered.head<3>();
-  const double normal = record.nearest.normal.dot(force);
-  return {normal, (force - normal * record.nearest.normal).norm(), force.norm()};
+Delivered deliveredOf(const Vec3& force, const Contact& nearest) noexcept {
+  const double normal = nearest.normal.dot(force);
+  return {normal, (force - normal * nearest.normal).norm(), force.norm()};
+}
+
+Readout readoutOf(const TickRecord& record) noexcept {
+  return {-record.nearest.gap, record.rendered.head<3>(), -record.nearest.normal.dot(record.handWrench.head<3>())};
+}
+
+const Readout& ReadoutFilter::add(const TickRecord& record) noexcept {
+  const Readout now = readoutOf(record);
+  const double passed = record.time - time_;
+  time_ = record.time;
+  const bool follows = passed > 0.0 && passed < kSmoothing && std::isfinite(now.depth - smooth_.depth);
+  if (!follows || isFault(record.guard)) return smooth_ = now;
+  const double share = 1.0 - std::exp(-passed / kSmoothing);
+  smooth_.depth += share * (now.depth - smooth_.depth);
+  smooth_.force += share * (now.force - smooth_.force);
+  smooth_.hand += share * (now.hand - smooth_.hand);
+  return smooth_;
 }
 
 const Conditions& ConditionWatch::add(const TickRecord& record, const JointVector& maxTorque) noexcept {

@@ -12,7 +12,29 @@ namespace enamel::viewer {
 struct Delivered {
   double normal, tangential, total;
 };
-Delivered deliveredOf(const TickRecord& record) noexcept;
+Delivered deliveredOf(const Vec3& force, const Contact& nearest) noexcept;
+inline Delivered deliveredOf(const TickRecord& record) noexcept {
+  return deliveredOf(record.rendered.head<3>(), record.nearest);
+}
+
+/// Values of the read-outs.
+struct Readout {
+  double depth = 0.0;         ///< of the tool in the nearest wall, m; negative: its distance
+  Vec3 force = Vec3::Zero();  ///< of the motors on the tool in addition to gravity, N
+  double hand = 0.0;          ///< force of the hand into the wall, N
+};
+Readout readoutOf(const TickRecord& record) noexcept;
+
+/// Smooths read-outs for the eye: a low-pass filter of first order. A stop by the guard shows at once. Realtime: all.
+class ReadoutFilter {
+ public:
+  static constexpr double kSmoothing = 0.1;  ///< time constant, s
+  const Readout& add(const TickRecord& record) noexcept;
+
+ private:
+  Readout smooth_;
+  double time_ = 0.0;  // s, of the last tick
+};
 
 /// State of the tool. Each condition remains set for kShown ticks after its end.
 struct Conditions {

@@ -1,7 +1,11 @@
 #include "device_view.hpp"
 
+#include <vtkActorCollection.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
+
+#include "obstacle_view.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -40,7 +44,7 @@ void addColumn(vtkRenderer* renderer, std::vector<Vec3> bases) {
 ToolView::ToolView(vtkRenderer* renderer, const Tool& tool, const Bur* cutting, const ToolLook& look)
     : parts_(tool.parts.begin(), tool.parts.begin() + tool.count),
       beyond_(1e-3 * (look.growth - 1.0)),
-      handle_(renderer, 5.0 * look.growth, {look.grip, look.opacity, 0.35}),
+      handle_(renderer, 3.6 * look.growth, {look.grip, look.opacity, 0.35}),
       hub_(renderer, 8.5 * look.growth, {look.body, look.opacity}) {
   if (cutting != nullptr) {
     burPart_ = parts_[static_cast<std::size_t>(cutting->part)];
@@ -90,7 +94,8 @@ bool ToolView::fadeBefore(const Vec3& eye, const Vec3& point) {
   return handle || hub;
 }
 
-DeviceView::DeviceView(vtkRenderer* renderer, const std::vector<Bar>& bars) {
+DeviceView::DeviceView(vtkRenderer* renderer, const std::vector<Bar>& bars, float scale) {
+  const int others = renderer->GetActors()->GetNumberOfItems();
   std::vector<Vec3> bases;
   const bool chains = hasChains(bars);
   for (std::size_t i = 0; i < bars.size(); ++i) {
@@ -111,6 +116,14 @@ DeviceView::DeviceView(vtkRenderer* renderer, const std::vector<Bar>& bars) {
     bases.push_back(base);
   }
   addColumn(renderer, bases);
+  addWorkspace(renderer, scale);
+  vtkActorCollection* const actors = renderer->GetActors();
+  for (int i = others; i < actors->GetNumberOfItems(); ++i)
+    all_.push_back(vtkActor::SafeDownCast(actors->GetItemAsObject(i)));
+}
+
+void DeviceView::show(bool visible) {
+  for (vtkActor* actor : all_) actor->SetVisibility(visible);
 }
 
 void DeviceView::place(const std::vector<Bar>& bars, const Pose& pose) {

@@ -28,6 +28,7 @@ class ToolView {
   ToolView(vtkRenderer* renderer, const Tool& tool, const Bur* cutting, const ToolLook& look);
   void place(const Pose& pose, double burAngle);
   void show(bool visible);
+  void showGrip(bool handle, bool hub) { handle_.show(handle), hub_.show(hub); }
   /// As Rod::fadeBefore(), for handle and hub.
   bool fadeBefore(const Vec3& eye, const Vec3& point);
   std::vector<vtkActor*> actors() const;
@@ -44,10 +45,11 @@ class ToolView {
 
 class DeviceView {
  public:
-  /// `bars`: of the mechanism at any pose.
-  DeviceView(vtkRenderer* renderer, const std::vector<Bar>& bars);
+  /// `bars`: of the mechanism at any pose. `scale`: pixels per unit of layout, for the lines of the workspace.
+  DeviceView(vtkRenderer* renderer, const std::vector<Bar>& bars, float scale);
   /// Place the same bars at new positions, with the platform's pose.
   void place(const std::vector<Bar>& bars, const Pose& pose);
+  void show(bool visible);
   bool fadeBefore(const Vec3& eye, const Vec3& point);  ///< as Rod::fadeBefore()
   /// Return the actors of all parts that fade.
   std::vector<vtkActor*> actors() const;
@@ -61,7 +63,8 @@ class DeviceView {
     Rod arm, post;
   };
 
-  std::vector<Link> links_;  // one for each bar
+  std::vector<vtkActor*> all_;  // also those that never move; the renderer owns them
+  std::vector<Link> links_;     // one for each bar
   std::vector<Arm> arms_;
   std::vector<Rod> axes_;  // of a platform without chains
 };

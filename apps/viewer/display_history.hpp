@@ -8,7 +8,7 @@
 namespace enamel::viewer {
 
 struct DisplayHistory {
-  std::vector<std::string> scenes, renderers, notices, badges, tips, stiffnesses;
+  std::vector<std::string> scenes, renderers, notices, badges, tips, stiffnesses, ratios;
   double deepest = 0.0;  ///< largest depth of the tool in a wall, m
 
   static void add(std::vector<std::string>& list, const std::string& text) {

@@ -34,6 +34,15 @@ StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTor
   return {firstImpactLimit(mass, kPeriod, delay.high, kTestForce, largest, kTestPreload), largest};
 }
 
+std::optional<DepthRatio> ratioOf(const TestPush& left, const TestPush& right) noexcept {
+  for (const TestPush* const one : {&left, &right})
+    if (!one->made || one->verdict != FirstImpactVerdict::measured) return std::nullopt;
+  const std::size_t deeper = right.deepest > left.deepest ? 1 : 0;
+  const double most = std::max({left.deepest, right.deepest, DepthRatio::kLeast});
+  const double least = std::min(left.deepest, right.deepest);
+  return DepthRatio{deeper, most / std::max(least, DepthRatio::kLeast), least < DepthRatio::kLeast};
+}
+
 Experiment::Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
                        const Hand& hand, RendererSlot slot, std::shared_ptr<DrilledSolids> drilled)
     : settings_(settings),
@@ -74,6 +83,7 @@ void Experiment::look() noexcept {
   fillDrillState();
   if (frame_.record.nearest.part < 0)
     frame_.record.nearest = nearestContact(loop_.scene(), loop_.tool(), frame_.record.pose, nullptr);
+  frame_.readout = readoutOf(frame_.record);
 }
 
 void Experiment::spin(bool on) noexcept {
@@ -153,7 +163,7 @@ void Experiment::advanceTestPush(bool mayBegin) noexcept {
   if (model_->reach(push_.start, Vec6::Zero(), false, known) == Status::ok)
     carried_ = wrenchOf(known, loop_.device().kinematics().gravity - known.gravity);
   impact_ = ImpactMonitor(kPeriod);
-  testDrift_ = 0.0;
+  testDrift_ = testDeepest_ = 0.0;
   conditions_.beginBlock();
 }
 
@@ -165,6 +175,7 @@ void Experiment::watchTestPush() noexcept {
   const Vec3& normal = push_.hand.normal;
   const Vec3 moved = record.pose.position - push_.start.position;
   testDrift_ = std::max(testDrift_, (moved - normal.dot(moved) * normal).norm());
+  testDeepest_ = std::max(testDeepest_, -record.nearest.gap);
   const ImpactTick tick{record.nearest.gap, record.gapRate,   -normal.dot(record.handWrench.head<3>()),
                         testDrift_,         record.saturated, record.torque.cwiseQuotient(plant_->limits().effort)};
   if (record.tick >= times.onset)
@@ -188,6 +199,7 @@ void Experiment::endTestPush(FirstImpactVerdict verdict, Status status) noexcept
   if (plant_->reach(push_.start, Vec6::Zero(), true, inertia) == Status::ok)
     test.limit = stiffnessLimit(inertia, plant_->limits().effort, push_.hand.normal, settings_.delay).stiffness;
   if (impact_.deepest() > 0.0) test.depthStiffness = kTestForce / impact_.deepest();
+  test.deepest = testDeepest_;
   if (verdict == FirstImpactVerdict::measured) {
     test.stiffness = impact_.stiffness();
     test.depth = impact_.depth();
@@ -276,6 +288,7 @@ void Experiment::tickHeld() noexcept {
   }
   watchTestPush();
   frame_.conditions = conditions_.add(record, plant_->limits().effort);
+  frame_.readout = readouts_.add(record);
   frame_.testing = phase_ != Phase::none;
 }
 

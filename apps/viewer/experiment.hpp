@@ -37,12 +37,23 @@ struct TestPush {
   Settings settings;            ///< settings of the push
   double limit = 0.0;           ///< stiffnessLimit() at that time, N/m
   double depthStiffness = 0.0;  ///< K_d, N/m; 0: the tool did not move deeper
+  double deepest = 0.0;         ///< largest depth below the surface, m
   // Set if the verdict is `measured`:
   double stiffness = 0.0;  ///< K_z1, N/m
   double depth = 0.0;      ///< D_z1, m
   double force = 0.0;      ///< F_1 in addition to the preload, N
   double preload = 0.0;    ///< before the step, N
 };
+
+/// Ratio of the depths of two test pushes.
+struct DepthRatio {
+  static constexpr double kLeast = 2e-6;  ///< smaller depths count as this one, m
+  std::size_t deeper;                     ///< 0 or 1
+  double times;                           ///< at least 1
+  bool atLeast;                           ///< the smaller depth was below kLeast
+};
+/// Return the ratio, or nothing if a push was not measured.
+std::optional<DepthRatio> ratioOf(const TestPush& left, const TestPush& right) noexcept;
 
 /// Data of a tick for drawing. Plain data.
 struct Frame {
@@ -55,6 +66,7 @@ struct Frame {
   JointVector reference;         ///< joint coordinates, rad or m
   bool testing = false;          ///< a test push is in progress
   Conditions conditions;
+  Readout readout;                                        ///< smoothed
   std::array<std::uint64_t, kGuardReasons> guardTicks{};  ///< ticks of this experiment, by GuardReason
   DrillState drilled;                                     ///< set if the scene has a bur
   std::array<TestPush, kMaxRenderers> tests;              ///< last test push of each renderer
@@ -160,9 +172,11 @@ class Experiment {
   SimulatedHand pusher_{push_};
   Vec6 carried_ = Vec6::Zero();  // held by the pushing hand: weight that the model does not contain, N, N m
   double testDrift_ = 0.0;       // tangential path since the push began, m
+  double testDeepest_ = 0.0;     // largest depth below the surface since then, m
   ImpactMonitor impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;
   ConditionWatch conditions_;
+  ReadoutFilter readouts_;
 };
 
 /// Physical limit of K_z1 for a test push (firstImpactLimit()) at a pose.

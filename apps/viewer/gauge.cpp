@@ -10,6 +10,10 @@
 
 namespace enamel::viewer {
 
+std::string depthText(double metres) {
+  return metres < 2e-6 ? "< 0.002 mm" : format(metres < 0.0995e-3 ? "%.3f mm" : "%.2f mm", 1e3 * metres);
+}
+
 std::string stiffnessText(double stiffness) {
   if (stiffness >= 999.5e3) return format("%.2f MN/m", 1e-6 * stiffness);
   if (stiffness >= 99.95e3) return format("%.0f kN/m", 1e-3 * stiffness);
@@ -23,12 +27,7 @@ std::string shownText(const TestPush& test) {
 
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
-  const TickRecord& record = input.left.frame.record;
   const TorqueStyle& torques = input.device.torques;
-  const std::string values[] = {format("%.3f mm", std::max(0.0, -1e3 * record.nearest.gap)),
-                                tenths(deliveredOf(record).normal) + " N",
-                                format(torques.shares ? "%.0f %%" : "%.2f N m",
-                                       record.torque.cwiseProduct(torques.factor).cwiseAbs().maxCoeff())};
   const std::string limits[] = {"paper's limit 1 mm", format("motors allow %.0f N", input.device.limit.largestForce),
                                 torques.shares ? "share of each joint's limit" : format("limit %g N m", torques.limit)};
   const char* names[] = {"Penetration", "Normal force", "Joint torques"};
@@ -37,7 +36,6 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
     const float x = a.x + 14 * s;
     brush.text(gFonts.bold, x, a.y + 6 * s, kInk, names[i]);
     brush.text(gFonts.small, x + Brush::width(gFonts.bold, names[i]) + 8 * s, a.y + 8 * s, kMuted, limits[i]);
-    brush.textRight(gFonts.bold, a.x + a.width - 14 * s, a.y + 6 * s, kInk, values[i]);
   }
   // Legend of the torques.
   const Rect& a = layout.chart[2];

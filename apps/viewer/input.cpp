@@ -48,35 +48,42 @@ void Input::key(int key, int action, int modifiers) {
 }
 
 void Input::button(int button, int action, int modifiers) {
-  dragged_ = action == GLFW_RELEASE ? -1 : button;
+  drag_ = Drag::none;
+  seeks_ = false;
+  if (action == GLFW_RELEASE) return;
   const Rect& bar = target_.layout().bar;
-  seeks_ = dragged_ >= 0 && cursor_.x >= bar.x && cursor_.x < bar.x + bar.width && cursor_.y >= bar.y &&
-           cursor_.y < bar.y + bar.height;
+  seeks_ = cursor_.x >= bar.x && cursor_.x < bar.x + bar.width && cursor_.y >= bar.y && cursor_.y < bar.y + bar.height;
+  if (seeks_) return target_.seek(shareOf(bar, cursor_.x));
   along_ = (modifiers & GLFW_MOD_SHIFT) != 0;
-  if (seeks_) target_.seek(shareOf(bar, cursor_.x));
+  const auto [area, size] = paneAt(target_.layout(), cursor_);
+  const bool onTool =
+      along_ || isOnTool(target_.camera(), size, cursor_ - glm::dvec2(area.x, area.y), target_.tool(), target_.axis());
+  drag_ = button == GLFW_MOUSE_BUTTON_MIDDLE           ? Drag::pan
+          : button == GLFW_MOUSE_BUTTON_LEFT && onTool ? Drag::hand
+                                                       : Drag::orbit;
 }
 
 void Input::cursor(const glm::dvec2& place) {
   const glm::dvec2 before = cursor_;
   cursor_ = place;
-  if (dragged_ < 0) return;
   if (seeks_) return target_.seek(shareOf(target_.layout().bar, place.x));
+  if (drag_ == Drag::none) return;
   const auto [area, size] = paneAt(target_.layout(), place);
   const glm::dvec2 corner(area.x, area.y);
   Camera& camera = target_.camera();
   const glm::dvec3 like = target_.tool();
   const glm::dvec3 moved =
       unproject(camera, size, place - corner, like) - unproject(camera, size, before - corner, like);
-  if (dragged_ == GLFW_MOUSE_BUTTON_LEFT)
+  if (drag_ == Drag::hand)
     target_.moveHandBy(along_ ? slid(camera, size, before - corner, place - corner, like, target_.normal()) : moved);
-  else if (dragged_ == GLFW_MOUSE_BUTTON_RIGHT)
+  else if (drag_ == Drag::orbit)
     orbit(camera, 4.0 * (place.x - before.x) / size.y, 4.0 * (place.y - before.y) / size.y);
   else
     camera.focus -= moved;
 }
 
-void Input::wheel(double notches, bool control) {
-  if (!control) return target_.pressBy(0.4 * notches);
+void Input::wheel(double notches, bool presses) {
+  if (presses) return target_.pressBy(0.4 * notches);
   // Keep the point under the cursor, at the tool's distance, in place.
   const auto [area, size] = paneAt(target_.layout(), cursor_);
   Camera& camera = target_.camera();

@@ -25,6 +25,7 @@ class InputTarget {
   virtual Camera& camera() = 0;
   virtual const Layout& layout() const = 0;
   virtual glm::dvec3 tool() const = 0;    ///< TCP, mm
+  virtual glm::dvec3 axis() const = 0;    ///< of the tool, away from its tip
   virtual glm::dvec3 normal() const = 0;  ///< of the nearest wall, outwards
 };
 
@@ -37,7 +38,7 @@ class Input {
   void key(int key, int action, int modifiers);
   void button(int button, int action, int modifiers = 0);
   void cursor(const glm::dvec2& place);
-  void wheel(double notches, bool control);
+  void wheel(double notches, bool presses);
   void drop(const std::vector<std::string>& paths) { target_.drop(paths); }
   /// Process keys that act while they are down. `seconds`: since the last call.
   void hold(const std::function<bool(int key)>& isDown, double seconds);
@@ -45,7 +46,7 @@ class Input {
  private:
   InputTarget& target_;
   glm::dvec2 cursor_{0.0};
-  int dragged_ = -1;    // mouse button
+  enum class Drag { none, hand, orbit, pan } drag_ = Drag::none;
   bool seeks_ = false;  // the drag began on the time bar
   bool along_ = false;  // the drag moves along the wall (Shift)
   bool pedal_ = false;

@@ -55,14 +55,16 @@ std::string materialText(const Material& material) {
 // The plane of the inset, magnified: it contains the deepest contact's normal.
 class Inset {
  public:
-  Inset(const InsetView& view, double toolRadius, OverlayState::Zoom& zoom, const Brush& brush)
+  Inset(const InsetView& view, OverlayState& state, const Brush& brush)
       : view_(view),
         area_(view.area),
         brush_(brush),
         s_(brush.s),
-        bar_(46 * s_),
-        toolRadius_(toolRadius),
+        bar_(view.isSplit ? rulerStep(view.layout) : 46 * s_),
+        readouts_(state.readouts),
+        toolRadius_(view.input.scene.toolRadius),
         frame_(view.tool.frame),
+        shown_(shownOf(view.input, frame_)),
         contact_(frame_.record.nearest),
         normal_(contact_.normal),
         across_(insetAcross(normal_, frame_.contacts)),
@@ -75,7 +77,8 @@ class Inset {
         }()),
         barMillimetres_([&] {
           const Vec3 offset = tool_ - origin_;
-          return chooseScale(zoom, 1e3 * std::max(std::abs(normal_.dot(offset)), 0.6 * std::abs(across_.dot(offset))));
+          return chooseScale(state.zoom,
+                             1e3 * std::max(std::abs(normal_.dot(offset)), 0.6 * std::abs(across_.dot(offset))));
         }()),
         perMillimetre_(static_cast<double>(bar_) / barMillimetres_),
         cx_(area_.x + 0.5f * area_.width),
@@ -92,23 +95,30 @@ class Inset {
     drawWalls();
     drawTools();
     drawForces();
-    drawOtherContacts();
+
     drawDepth();
+    drawContacts();
     brush_.list->PopClipRect();
     drawLegend();
   }
 
  private:
-  // Choose the length of the scale bar, mm, so that `reach` (mm) fits: grow at once, shrink after a while.
+  // Choose the length of the scale bar, mm, so that `reach` (mm) fits: grow at once, shrink after a while. Both panes
+  // of the split screen have the scale of the deeper tool in this press, with a ruler of 0.01, 0.1 or 1 mm.
   double chooseScale(OverlayState::Zoom& zoom, double reach) const {
-    constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};
-    constexpr int split = 6, last = 8;  // split: the depth of a spring of 6 kN/m under 12 N fills the pane
-    if (view_.isSplit) return steps[split];
+    constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0}, rulers[] = {0.01, 0.1, 1.0};
+    const Comparison& both = view_.input.comparison;
+    const double deepest = 1e3 * std::max(both.deepest(0), both.deepest(1));
+    if (view_.isSplit) reach = deepest > kLeastDepth ? deepest : rulers[2];
+    const double* const scales = view_.isSplit ? rulers : steps;
+    const int last = view_.isSplit ? 2 : 8;
+    const float room = view_.isSplit ? (1.0f - kWallShare) * area_.height - 14 * s_ : 70 * s_;
     int wanted = 0;
-    while (wanted < last && reach * bar_ / steps[wanted] > 70 * s_) ++wanted;
+    while (wanted < last && reach * bar_ / scales[wanted] > room) ++wanted;
+    zoom.step = std::min(zoom.step, last);
     zoom.patience = wanted < zoom.step ? zoom.patience + 1 : 0;
-    if (wanted > zoom.step || zoom.patience > 20) zoom.step = wanted;
-    return steps[zoom.step];
+    if (wanted > zoom.step || zoom.patience > 40) zoom.step = wanted;
+    return scales[zoom.step];
   }
 
   ImVec2 at(const Vec3& point) const {
@@ -165,6 +175,12 @@ class Inset {
 
   // Draw past positions, the present one, and the reference pose.
   void drawTools() const {
+    if (view_.isSplit &&
+        view_.deepest > 0.0) {  // how deep it sank in this press; the mark remains when the tool has gone
+      const float deep = static_cast<float>(1e3 * view_.deepest * perMillimetre_), wide = 46 * s_;
+      brush_.list->AddRectFilled({cx_ - wide, cy_}, {cx_ + wide, cy_ + deep}, ink(view_.colour, 0.35));
+      brush_.list->AddLine({cx_ - wide, cy_ + deep}, {cx_ + wide, cy_ + deep}, ink(view_.colour), 3 * s_);
+    }
     const std::vector<Vec3>& trail = view_.trail;
     for (std::size_t i = 1; i < trail.size(); ++i)
       brush_.list->AddLine(at(trail[i - 1] + fromTcp_), at(trail[i] + fromTcp_),
@@ -180,38 +196,43 @@ class Inset {
   // Draw the forces of motors and hand. The motors' force points away from the wall, or into it if they pull.
   void drawForces() const {
     const ImVec2 tip = at(tool_);
-    const double force = deliveredOf(frame_.record).normal, out = force > 0.0 ? 1.0 : -1.0;
+    const double force = deliveredOf(shown_.force, contact_).normal, out = force > 0.0 ? 1.0 : -1.0;
     const auto forceLength = static_cast<float>(out * (std::min(4.0 * std::abs(force), 80.0) + 8.0)) * s_;
     if (std::abs(force) > 0.05 && (frame_.record.mode == RenderMode::contact || contact_.gap <= 0.0))
       brush_.arrow({tip.x, tip.y}, {tip.x, tip.y - forceLength}, kForce, 3 * s_);
-    const double pressed = handForce(frame_);
+    const double pressed = shown_.hand;
     if (!(pressed > 0.05)) return;
     const float from = std::max(top_, tip.y - 118 * s_);
     const float length = static_cast<float>(std::clamp(3.0 * pressed, 0.0, 50.0)) * s_ + 8 * s_;
     brush_.arrow({tip.x - 26 * s_, from}, {tip.x - 26 * s_, from + length}, kHand, 3 * s_);
   }
 
-  // Only the second deepest contact has a number: more would overlap.
-  void drawOtherContacts() const {
-    bool labelled = false;
-    for (int i = 1; i < frame_.contacts.count; ++i) {
-      const Contact& other = frame_.contacts.contacts[i];
-      if (other.gap > 0.0) continue;
-      const ImVec2 foot = at(other.point - other.gap * other.normal);
-      brush_.list->AddLine(at(other.point), foot, ink(kInk), 1.5f * s_);
-      brush_.list->AddCircleFilled(foot, 3 * s_, ink(kForce));
-      if (labelled || -1e3 * other.gap < kLeastDepth) continue;
-      labelled = true;
-      const std::string text = format("%.3f mm", -1e3 * other.gap);
-      const bool right = across_.dot(other.normal) < 0.0;  // inside its wall
-      brush_.text(gFonts.small, foot.x + (right ? 8 * s_ : -8 * s_ - Brush::width(gFonts.small, text)), foot.y - 7 * s_,
-                  kInk, text);
+  // Number all contacts that touch, and list their depths. A wall along the section has a mark, but no line.
+  void drawContacts() const {
+    int count = 0;
+    while (count < frame_.contacts.count && frame_.contacts.contacts[count].gap <= 0.0) ++count;  // deepest first
+    if (count < 2) return;
+    const float row = 16 * s_, wide = 104 * s_,
+                x = view_.isSplit ? area_.x + area_.width - wide - 8 * s_ : area_.x + 8 * s_;
+    float y = top_ + 2 * s_;
+    brush_.list->AddRectFilled({x, y}, {x + wide, y + static_cast<float>(count) * row + 4 * s_}, ink(kPaper, 0.92),
+                               4 * s_);
+    for (int i = 0; i < count; ++i, y += row) {
+      const Contact& contact = frame_.contacts.contacts[i];
+      const ImVec2 foot = at(contact.point - contact.gap * contact.normal);
+      brush_.list->AddLine(at(contact.point), foot, ink(kInk), 1.5f * s_);
+      brush_.list->AddCircleFilled(foot, 7 * s_, ink(kForce));
+      const std::string number = format("%d", i + 1), depth = format("%.3f mm", -1e3 * contact.gap);
+      brush_.text(gFonts.small, foot.x - 0.5f * Brush::width(gFonts.small, number), foot.y - 7 * s_, 0xFFFFFF, number);
+      brush_.text(gFonts.small, x + 6 * s_, y, kInk, number + ":");
+      brush_.textRight(gFonts.small, x + wide - 6 * s_, y, kInk, depth);
+      readouts_.push_back("contact " + number + ": " + depth);
     }
   }
 
   void drawDepth() const {
-    const double depth = -1e3 * contact_.gap;
-    if (!(depth > kLeastDepth)) return;
+    const double depth = 1e3 * shown_.depth;
+    if (!(depth > kLeastDepth && contact_.gap < 0.0)) return;
     ImDrawList* const list = brush_.list;
     const ImVec2 tip = at(tool_);
     const float x = cx_ + 62 * s_, y = tip.y;
@@ -223,16 +244,35 @@ class Inset {
                 std::min(std::max(y, cy_) + 4 * s_, bottom_ - 20 * s_), kInk, text);
   }
 
-  // Draw title, scale bar and material.
+  // Draw a ruler from the surface downwards, with ten parts each step.
+  void drawRuler() const {
+    const float x = area_.x + 12 * s_;
+    const auto tick = [&](float y, float wide) { brush_.list->AddLine({x, y}, {x + wide * s_, y}, ink(kInk), s_); };
+    brush_.list->AddLine({x, cy_}, {x, bottom_ - 6 * s_}, ink(kInk), 1.5f * s_);
+    for (int i = 0; cy_ + 0.1f * static_cast<float>(i) * bar_ < bottom_ - 6 * s_; ++i) {
+      const float y = cy_ + 0.1f * static_cast<float>(i) * bar_;
+      tick(y, i % 10 == 0 ? 10.0f : i % 5 == 0 ? 6.0f : 3.0f);
+      if (i == 0 || i % 10 != 0) continue;
+      const double length = 0.1 * i * barMillimetres_;
+      brush_.text(gFonts.small, x + 14 * s_, y - 8 * s_, kInk,
+                  length < 0.0999 ? format("%.0f \u00b5m", 1e3 * length) : format("%g mm", length));
+    }
+  }
+
+  // Draw title, scale and material.
   void drawLegend() const {
-    const bool several = frame_.contacts.count > 1 && frame_.contacts.contacts[1].gap <= 0.0;
-    brush_.text(gFonts.bold, area_.x + 10 * s_, area_.y + 6 * s_, kInk,
-                several ? "Contacts, magnified" : "Contact, magnified");
     const float x = area_.x + 12 * s_, y = area_.y + area_.height - 12 * s_;
-    brush_.list->AddLine({x, y}, {x + bar_, y}, ink(kInk), 2 * s_);
-    for (const float end : {x, x + bar_})
-      brush_.list->AddLine({end, y - 4 * s_}, {end, y + 4 * s_}, ink(kInk), 1.5f * s_);
-    brush_.text(gFonts.small, x, y - 19 * s_, kInk, format("%g mm", barMillimetres_));
+    if (view_.isSplit) {
+      drawRuler();
+    } else {
+      const bool several = frame_.contacts.count > 1 && frame_.contacts.contacts[1].gap <= 0.0;
+      brush_.text(gFonts.bold, area_.x + 10 * s_, area_.y + 6 * s_, kInk,
+                  several ? "Contacts, magnified" : "Contact, magnified");
+      brush_.list->AddLine({x, y}, {x + bar_, y}, ink(kInk), 2 * s_);
+      for (const float end : {x, x + bar_})
+        brush_.list->AddLine({end, y - 4 * s_}, {end, y + 4 * s_}, ink(kInk), 1.5f * s_);
+      brush_.text(gFonts.small, x, y - 19 * s_, kInk, format("%g mm", barMillimetres_));
+    }
     const std::string material = materialText(contact_.material);
     const float right = area_.x + area_.width - 10 * s_, left = right - Brush::width(gFonts.small, material);
     brush_.list->AddRectFilled({left - 4 * s_, y - 7 * s_}, {right + 4 * s_, y + 9 * s_}, ink(kEnamel, 0.9));
@@ -243,8 +283,10 @@ class Inset {
   const Rect& area_;
   const Brush& brush_;
   const float s_, bar_;  // scale; length of the scale bar
+  std::vector<std::string>& readouts_;
   const double toolRadius_;
   const Frame& frame_;
+  const Readout shown_;
   const Contact& contact_;  // the deepest contact
   // The inset shows positions of the tool's nearest point, not of its TCP.
   const Vec3 normal_, across_, tool_, fromTcp_, reference_, origin_;
@@ -255,8 +297,6 @@ class Inset {
 
 }  // namespace
 
-void drawInset(const InsetView& view, double toolRadius, OverlayState& state, const Brush& brush) {
-  Inset(view, toolRadius, state.zoom, brush).draw();
-}
+void drawInset(const InsetView& view, OverlayState& state, const Brush& brush) { Inset(view, state, brush).draw(); }
 
 }  // namespace enamel::viewer

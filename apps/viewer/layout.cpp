@@ -13,8 +13,9 @@ Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int
               gauge = renderers <= 0 ? 0.0f : (106 + kGaugeRow * static_cast<float>(renderers)) * scale,
               bar = renderers == 0 && h >= 200 * scale ? 46 * scale : 0.0f;
   const float sceneLeast = 300 * scale;
-  const bool showCharts = charts && w >= column + sceneLeast && h >= 420 * scale;
-  const bool showPanel = panels && w >= panel + sceneLeast + (showCharts ? column : 0.0f);
+  // Without room for both, the panel is shown: it has the controls.
+  const bool showPanel = panels && w >= panel + sceneLeast;
+  const bool showCharts = charts && w >= column + sceneLeast + (showPanel ? panel : 0.0f) && h >= 420 * scale;
   const float left = showPanel ? panel : 0.0f, right = showCharts ? column : 0.0f;
   layout.panel = {0, 0, left, h};
   layout.scene = {left, 0, w - left - right, h - bar};
@@ -36,7 +37,7 @@ Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int
   return layout;
 }
 
-Layout layOutSplit(const glm::ivec2& size, float scale, bool panels) {
+Layout layOutSplit(const glm::ivec2& size, float scale, bool panels, bool tour) {
   Layout layout;
   layout.scale = scale;
   layout.size = size;
@@ -44,16 +45,18 @@ Layout layOutSplit(const glm::ivec2& size, float scale, bool panels) {
   const float panel = panels && w >= (248 + 2 * 300) * scale ? 248 * scale : 0.0f;
   // In small windows, comparison and insets give their room to the scenes.
   const float compare = h >= 420 * scale ? std::clamp(0.29f * h, 150 * scale, 230 * scale) : 0.0f;
-  const float upper = h - compare, inset = upper >= 260 * scale ? 0.58f * upper : 0.0f, scene = upper - inset;
+  const float text = tour ? 64 * scale : 0.0f, upper = h - compare - text;
+  const float inset = upper >= 260 * scale ? 0.6f * upper : 0.0f, scene = upper - inset;
   const float half = 0.5f * (w - panel);
   layout.panel = {0, 0, panel, h};
-  layout.scene = {panel, 0, half, scene};
-  layout.right = {panel + half, 0, half, scene};
+  layout.tour = {panel, 0, w - panel, text};
+  layout.scene = {panel, text, half, scene};
+  layout.right = {panel + half, text, half, scene};
   if (inset > 0) {
-    layout.inset = {panel, scene, half, inset};
-    layout.rightInset = {panel + half, scene, half, inset};
+    layout.inset = {panel, text + scene, half, inset};
+    layout.rightInset = {panel + half, text + scene, half, inset};
   }
-  layout.compare = {panel, upper, w - panel, compare};
+  layout.compare = {panel, h - compare, w - panel, compare};
   return layout;
 }
 

@@ -1,6 +1,7 @@
 // Positions of the parts of the picture.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <glm/glm.hpp>
 
@@ -21,12 +22,18 @@ struct Layout {
   Rect panel, scene, charts, inset, gauge, bar;  ///< width 0: not shown; bar: the time bar from end to end
   std::array<Rect, kCharts> chart;               ///< each with room for its title
   /// Split screen: `scene` and `inset` belong to the left pane; charts and gauge are not shown.
-  Rect right, rightInset, compare;
+  Rect right, rightInset, compare, tour;  ///< tour: its text, above both panes
   bool isSplit() const { return right.width > 0; }
 };
 Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int renderers = 4);
 /// Lay out the split screen: in each pane the scene above the magnified contact, and the comparison below both panes.
-Layout layOutSplit(const glm::ivec2& size, float scale, bool panels);
+Layout layOutSplit(const glm::ivec2& size, float scale, bool panels, bool tour = false);
+/// Split screen: position of the wall's line in an inset, relative to its height; length of a step of its ruler,
+/// pixels.
+inline constexpr float kWallShare = 0.32f;
+inline float rulerStep(const Layout& layout) {
+  return std::min(40.0f * layout.scale, (1.0f - kWallShare) * layout.inset.height / 4.3f);
+}
 inline constexpr float kChartTitle = 28.0f;  // units of layout, above each chart
 inline constexpr float kGaugeRow = 21.0f;    // height of a renderer's row in the gauge
 

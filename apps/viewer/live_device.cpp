@@ -21,6 +21,7 @@ LiveDevice::LiveDevice(SessionDef def, RendererSlot slot)
   frame_.record.pose = session_->start();
   frame_.record.torque = frame_.record.command = frame_.record.q = JointVector::Zero(largest_.size());
   frame_.record.nearest = nearestContact(scene_.scene, scene_.tool, frame_.record.pose, nullptr);
+  frame_.readout = readoutOf(frame_.record);
   frames_.next() = frame_;
   frames_.publish();
   session_->startOpened();
@@ -53,6 +54,7 @@ void LiveDevice::look(const TickFrame& tick) noexcept {
   frame_.contacts = tick.contacts;
   frame_.hand.target = frame_.hand.position = k.pose.position;
   frame_.conditions = conditions_.add(r, largest_);
+  frame_.readout = readouts_.add(r);
   frame_.conditions.edge = false;  // the stops of the simulated device
   if (!samples_.push(sampleOf(r))) ++dropped_;
   frame_.droppedSamples = dropped_;

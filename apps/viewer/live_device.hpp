@@ -45,6 +45,7 @@ class LiveDevice {
   // Of the loop's thread:
   Frame frame_;
   ConditionWatch conditions_;
+  ReadoutFilter readouts_;
   std::uint64_t dropped_ = 0;
   SpscRing<Sample, 8192> samples_;
   TripleBuffer<Frame> frames_;

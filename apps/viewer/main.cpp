@@ -8,6 +8,7 @@
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
 #include "run.hpp"
+#include "scan.hpp"
 #include "script.hpp"
 
 namespace {
@@ -28,7 +29,7 @@ void runViewer(int argc, char** argv) {
   std::string renderer, size = "1280x720";
   std::vector<std::string> set;
   CLI::Option* const live[] = {
-      app.add_option("scene", options.scene, "scene file (TOML)"),
+      app.add_option("scene", options.scene, "scene file (TOML), a scan (PLY, OBJ, STL, OFF), or a recording (.rec)"),
       app.add_option("--device", options.device,
                      "device file (TOML), or the URL of a device that your hand moves, as in enamel device --connect"),
       app.add_option("--renderer", renderer,
@@ -58,6 +59,12 @@ void runViewer(int argc, char** argv) {
       ->excludes(headless);
   enamel::app::addOverwrite(app, options.overwrite, {"--report"});
   if (!enamel::app::parse(app, kProgram, argc, argv)) return;
+  if (isRecording(options.scene)) {
+    for (CLI::Option* const option : live)
+      if (option->get_name() != "scene" && option->count() > 0)
+        throw enamel::app::Exit(2, option->get_name() + " is not available for a recording");
+    options.play = options.scene;
+  }
   const bool isConnected = enamel::isDeviceUrl(options.device);
   if (isConnected && !options.gain.empty()) throw enamel::Error("--gain is for simulated devices (--device FILE)");
   if (!renderer.empty()) options.renderer = renderer;

@@ -158,22 +158,6 @@ double distanceToTeeth(const Vec3& point, const Scene& scene, const std::vector<
   return nearest;
 }
 
-// Draw the cube of the workspace.
-void addCube(vtkRenderer* renderer, float scale) {
-  std::vector<std::array<Vec3, 2>> cube;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int corner = 0; corner < 4; ++corner) {
-      Vec3 from;
-      from[axis] = -kCube;
-      from[(axis + 1) % 3] = (corner & 1) != 0 ? kCube : -kCube;
-      from[(axis + 2) % 3] = (corner & 2) != 0 ? kCube : -kCube;
-      Vec3 to = from;
-      to[axis] = kCube;
-      cube.push_back({from, to});
-    }
-  addLines(renderer, cube, kCubeLine, scale);
-}
-
 }  // namespace
 
 std::vector<CutPlane> opaquePlanes(const Scene& scene) {
@@ -206,7 +190,21 @@ void addObstacles(vtkRenderer* renderer, const SceneFile& file, const std::vecto
   addFaces(renderer, drawing.backs, {kEnamelGrid, 1.0, 0.0});
   addLines(renderer, drawing.grid, kEnamelGrid, scale);
   addLines(renderer, drawing.edges, kEnamelEdge, 2.0f * scale);
-  if (!file.bur) addCube(renderer, scale);  // the cube would hide the drilled solid
+}
+
+void addWorkspace(vtkRenderer* renderer, float scale) {
+  std::vector<std::array<Vec3, 2>> cube;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int corner = 0; corner < 4; ++corner) {
+      Vec3 from;
+      from[axis] = -kCube;
+      from[(axis + 1) % 3] = (corner & 1) != 0 ? kCube : -kCube;
+      from[(axis + 2) % 3] = (corner & 2) != 0 ? kCube : -kCube;
+      Vec3 to = from;
+      to[axis] = kCube;
+      cube.push_back({from, to});
+    }
+  addLines(renderer, cube, kCubeLine, scale);
 }
 
 }  // namespace enamel::viewer

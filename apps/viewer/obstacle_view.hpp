@@ -16,6 +16,9 @@ namespace enamel::viewer {
 void addObstacles(vtkRenderer* renderer, const SceneFile& file, const std::vector<SolidCopy>& solids,
                   const std::optional<CutPlane>& plane, float scale);
 
+/// Draw the edges of the workspace's cube.
+void addWorkspace(vtkRenderer* renderer, float scale);
+
 /// Return the surfaces of opaque bodies: the gum.
 std::vector<CutPlane> opaquePlanes(const Scene& scene);
 

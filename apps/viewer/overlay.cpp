@@ -39,53 +39,6 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   brush.textRight(gFonts.text, right, y, kMuted, time);
 }
 
-void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& brush) {
-  const float s = layout.scale;
-  const Frame& frame = input.left.frame;
-  const Rect& area = layout.scene;
-  const double depth = -1e3 * frame.record.nearest.gap;
-  struct Number {
-    std::string value;
-    const char* unit;
-    std::string name;
-    unsigned colour;
-  };
-  const Delivered force = deliveredOf(frame.record);
-  const double now = handForce(frame) / std::max(1e-9, -frame.record.nearest.gap);
-  const bool inside = depth > 1e-3 && handForce(frame) >= 0.1;  // for smaller values the ratio means nothing
-  // Beside the inset, as far as there is room.
-  const float room = layout.inset.width > 0 ? layout.inset.x - area.x - 36 * s : area.width;
-  const std::string across = tenths(force.tangential), total = tenths(force.total);
-  std::string forces = format("normal; tangential %s N, total %s N", across.c_str(), total.c_str());
-  if (Brush::width(gFonts.small, forces) > room) forces = format("tang. %s, total %s N", across.c_str(), total.c_str());
-  const Number numbers[] = {
-      {depth > -0.0005 ? format("%.3f", std::max(0.0, depth))
-       : depth > -0.1  ? format("%.3f", -depth)
-                       : format("%.1f", -depth),
-       "mm", depth > -0.0005 ? "penetration" : "to the wall", kDepth},
-      {tenths(force.normal), "N", forces, kForce},
-      {tenths(handForce(frame)), "N", "force of the hand", kHand},
-      {!inside     ? "-"
-       : now < 1e6 ? format("%.1f", 1e-3 * now)
-                   : "> 1000",
-       "kN/m", "hand force / depth now", kInk},
-  };
-  const int count = input.knowsHand() ? 4 : 2;
-  float y = area.y + area.height - static_cast<float>(count) * 46 * s - 14 * s;
-  const float x = area.x + 18 * s;
-  float wide = 0.0f;
-  for (int i = 0; i < count; ++i) wide = std::max(wide, 12 * s + Brush::width(gFonts.small, numbers[i].name));
-  brush.clear(x, y - 3 * s, wide, area.y + area.height - 5 * s - y);
-  for (int i = 0; i < count; ++i) {
-    const Number& n = numbers[i];
-    brush.list->AddRectFilled({x, y + 3 * s}, {x + 3 * s, y + 38 * s}, ink(n.colour));
-    brush.text(gFonts.large, x + 12 * s, y, kInk, n.value);
-    brush.text(gFonts.text, x + 18 * s + Brush::width(gFonts.large, n.value), y + 8 * s, kMuted, n.unit);
-    brush.text(gFonts.small, x + 12 * s, y + 27 * s, kMuted, n.name);
-    y += 46 * s;
-  }
-}
-
 // Draw a notice in as many lines as it needs.
 void drawNotice(const Layout& layout, const std::string& notice, const Brush& brush) {
   const float s = layout.scale, whole = (layout.isSplit() ? 2 : 1) * layout.scene.width;
@@ -151,31 +104,49 @@ void setUpOverlay(const std::string& font, const std::string& boldFont, float sc
   c[ImGuiCol_ButtonHovered] = tone(kLine);
 }
 
+namespace {
+
+// Show a hand over the tool: there a drag moves the hand.
+void showCursor(const Layout& layout, const OverlayInput& input) {
+  const ImVec2 at = ImGui::GetIO().MousePos;
+  if (!input.knowsHand() || ImGui::GetIO().WantCaptureMouse) return;
+  for (const auto& [pane, frame] :
+       {std::pair(&layout.scene, &input.left.frame), {&layout.right, input.right ? &input.right->frame : nullptr}}) {
+    if (pane->width <= 0 || at.x < pane->x || at.y < pane->y) continue;
+    const Pose& tool = frame->record.pose;
+    if (isOnTool(input.camera, {pane->width, pane->height}, {at.x - pane->x, at.y - pane->y},
+                 millimetres(tool.position), millimetres(tool.rotation.col(2)) / kMillimetres))
+      ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+  }
+}
+
+}  // namespace
+
 void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& state) {
   state.tip.seen = false;
+  state.readouts.clear();
   if (layout.panel.width > 0) drawPanel(layout, input, state);
   const Brush brush{ImGui::GetBackgroundDrawList(), layout.scale};
   if (layout.isSplit() && input.right) {
     drawSplitScreen(layout, input, state, brush);
     if (input.elapsed.tour >= 0.0) drawTour(layout, input.elapsed.tour, brush);
   } else {
-    const float s = layout.scale, numbers = (input.knowsHand() ? 198 : 106) * s;
+    const float s = layout.scale;
     const Rect& scene = layout.scene;
-    drawNames(scene,
-              {{scene.x, scene.y, scene.width, 70 * s},
-               {scene.x, scene.y + scene.height - numbers, 260 * s, numbers},
-               drillBox(layout, input),
-               layout.inset},
-              input.camera, input.left.frame, input.knowsHand(), brush);
+    drawNames(
+        scene,
+        {{scene.x, scene.y, scene.width, 70 * s}, numbersBox(layout, input), drillBox(layout, input), layout.inset},
+        input.camera, input.left.frame, input.knowsHand(), brush);
     drawHeader(layout, input, brush);
-    drawNumbers(layout, input, brush);
+    drawNumbers(layout, input, state, brush);
     if (layout.inset.width > 0)
-      drawInset({layout.inset, input.left, input.trail, false, kNeedle}, input.scene.toolRadius, state, brush);
+      drawInset({layout, layout.inset, input, input.left, input.trail, false, kNeedle, 0.0}, state, brush);
   }
   if (layout.charts.width > 0) {
     drawChartTitles(layout, input, brush);
     if (layout.gauge.height > 0) drawGauge(layout, input, state, brush);
   }
+  showCursor(layout, input);
   if (layout.bar.width > 0) drawTimeBar(layout, input, brush);
   if (input.bur && layout.scene.height >= 420 * layout.scale) drawDrill(layout, input, brush);
   if (state.timing) drawTiming(layout, input, brush);

@@ -24,19 +24,23 @@ struct OverlayRequests {
   std::vector<Action> actions;
   std::optional<std::size_t> scene;  ///< index in SceneInput::names
   std::optional<RendererSlot> renderer, right;
-  std::optional<bool> spin;  ///< switch the bur
-  bool settings = false;     ///< OverlayState::settings have changed
-  std::string problem;       ///< problem with a typed value, to be shown; or empty
+  std::optional<bool> spin;     ///< switch the bur
+  std::optional<double> press;  ///< force of the hand into the wall, N
+  bool settings = false;        ///< OverlayState::settings have changed
+  std::string problem;          ///< problem with a typed value, to be shown; or empty
 };
 
 /// State of the overlay, and the settings that it changes.
 struct OverlayState {
   bool panels = true, charts = true, help = false, timing = false;
+
+  bool list = false;  ///< the list of scenes is unfolded; false folds it
   Settings settings;
   Grip grip = kFirmGrip;
   bool sound = false;                   ///< sound is requested
   std::string soundTrouble;             ///< why nothing is heard nevertheless, or empty
   std::string notice;                   ///< shown for a while
+  std::string scanNote;                 ///< about the scan of the scene; empty: no scan
   std::vector<std::string> sceneNotes;  ///< about the scene's meshes
   OverlayRequests asked;
   struct Typing {
@@ -52,6 +56,7 @@ struct OverlayState {
     int step = 4;  ///< magnification, with hysteresis
     int patience = 0;
   } zoom;
+  std::vector<std::string> readouts;          ///< texts of the read-outs in this picture, for the report
   std::map<std::string, glm::vec2> controls;  ///< positions in pixels, for the report
 };
 
@@ -112,12 +117,14 @@ struct OverlayInput {
   const std::vector<Vec3>& trail;  ///< last positions of the TCP, oldest first, m
   const Comparison& comparison;
   const Camera& camera;
-  const char* cameraName;
+  int view;  ///< CameraControl::view()
   TimingNumbers timing;
   ElapsedInput elapsed;
 
   /// Return whether the force of the hand is known: only in a simulation.
   bool knowsHand() const { return player == nullptr && live == nullptr; }
+  /// Return whether the read-outs belong to one tick, because a person can follow single ticks.
+  bool showsTick() const { return left.frame.paused || left.frame.slowdown > 1; }
 };
 
 }  // namespace enamel::viewer

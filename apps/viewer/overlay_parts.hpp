@@ -34,8 +34,16 @@ inline std::string titleOf(const OverlayInput& input, std::size_t slot) {
   return title;
 }
 
-/// Return the force of the hand into the nearest wall, N.
-double handForce(const Frame& frame);
+/// Return the values that the read-outs show: smoothed, but those of one tick in pause and slow motion.
+inline const Readout shownOf(const OverlayInput& input, const Frame& frame) {
+  return input.showsTick() ? readoutOf(frame.record) : frame.readout;
+}
+
+/// Return what the guard does, in words.
+std::string guardText(GuardReason reason);
+
+/// Format a depth for people: "0.042 mm", "3.82 mm".
+std::string depthText(double metres);
 
 /// Format a stiffness for people: "27.1 kN/m". The next function formats a test push: its stiffness or its verdict.
 std::string stiffnessText(double stiffness);
@@ -60,19 +68,19 @@ std::array<std::pair<bool, const char*>, 4> badgesOf(const Frame& frame);
 void drawBadges(float right, float y, const Frame& frame, const Brush& brush);
 void drawRecordingPills(const Layout& layout, const OverlayInput& input, const Brush& brush);
 
-/// Position of the wall's line in an inset of the split screen, relative to its height.
-inline constexpr float kWallShare = 0.45f;
-
 /// inset.cpp: inputs of an inset.
 struct InsetView {
+  const Layout& layout;
   const Rect& area;
+  const OverlayInput& input;
   const ToolInput& tool;
   const std::vector<Vec3>& trail;
   bool isSplit;     // one of two panes: with a fixed scale, and a title that names the renderer
   unsigned colour;  // of the tool
+  double deepest;   // in this press, m
 };
 /// Draw the magnified contacts, seen along the walls. The deepest contact's wall is always below and the tool above.
-void drawInset(const InsetView& view, double toolRadius, OverlayState& state, const Brush& brush);
+void drawInset(const InsetView& view, OverlayState& state, const Brush& brush);
 
 /// gauge.cpp: titles of the charts and stiffnesses of the test pushes, beside the scene.
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush);
@@ -82,7 +90,10 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const OverlaySta
 void drawSplitScreen(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush);
 void drawTour(const Layout& layout, double time, const Brush& brush);
 
-/// readouts.cpp, over the scene: the bur and the removed volumes; timing and guard.
+/// readouts.cpp, over the scene: depth and forces; the bur and the removed volumes; timing and guard.
+inline constexpr float kNumberRow = 46.0f, kNumberTitle = 20.0f;  // units of layout
+Rect numbersBox(const Layout& layout, const OverlayInput& input);
+void drawNumbers(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush);
 Rect drillBox(const Layout& layout, const OverlayInput& input);  ///< width 0: not shown
 void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& brush);
 void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& brush);

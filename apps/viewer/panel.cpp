@@ -13,16 +13,11 @@ namespace enamel::viewer {
 namespace {
 
 void drawViews(const OverlayInput& input, OverlayState& state, float whole) {
-  constexpr const char* views[] = {"user", "side", "top", "close", "follow"};
-  constexpr int count = 5;
-  const int on = static_cast<int>(
-      std::find_if(views, views + count, [&](const char* name) { return std::string(name) == input.cameraName; }) -
-      views);
-  if (const int asked = choice(state, views, count, on, whole,
-                               "Position of the camera (keys 1 to 4); follow keeps the contact in view (5). Right drag "
-                               "turns the view, Ctrl+wheel zooms.");
-      asked >= 0)
-    state.asked.actions.push_back(static_cast<Action>(static_cast<int>(Action::camera1) + asked));
+  constexpr const char* views[] = {"field", "device", "side", "top", "follow"};
+  const int asked = choice(state, views, 5, input.view, whole,
+                           "Position of the camera: operating field, whole device, its side and top (keys 1 to 4), or "
+                           "follow the contact (5). Drag beside the tool to turn the view; the wheel zooms.");
+  if (asked >= 0) state.asked.actions.push_back(static_cast<Action>(static_cast<int>(Action::cameraField) + asked));
 }
 
 void drawPlayerControls(const OverlayInput& input, OverlayState& state, float s, float whole) {
@@ -59,7 +54,7 @@ void drawLiveDevice(const OverlayInput& input, OverlayState& state, float s, flo
   remark(format("Renderer %s on %s.", input.live->renderer().c_str(), input.device.name.c_str()));
   remark(now.enabled ? "The device is enabled." : "The device is not enabled: no forces.",
          now.enabled ? kMuted : kWrong);
-  if (now.fault != GuardReason::none) remark(format("Stopped by the guard: %s.", toString(now.fault)), kWrong);
+  if (now.fault != GuardReason::none) remark("Stopped by the guard: " + guardText(now.fault) + ".", kWrong);
   actionButtons(state, {{"continue", false, Action::reset, "Continue after a fault of the guard (Backspace)."}}, s,
                 whole);
 
@@ -151,7 +146,7 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
   if (isPlugin(input, indexOf(frame.selected))) {
     const EnamelDescription& plugin = input.device.plugin->description();
     remark(format("Plugin %s %s: %s", plugin.name, plugin.version, plugin.summary));
-    const double given = deliveredOf(frame.record).normal, told = frame.record.normalForce;
+    const double given = deliveredOf(frame.readout.force, frame.record.nearest).normal, told = frame.record.normalForce;
     const bool silent = told == 0.0 && std::abs(given) > 0.5;
     if (frame.record.guard == GuardReason::none)
       remark("Normal force that it reports: " + (silent ? "not reported" : tenths(told) + " N") + ".");
@@ -173,24 +168,46 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
   }
 }
 
-void drawHandAndBur(const OverlayInput& input, OverlayState& state, float s, float whole) {
+void drawHand(const OverlayInput& input, OverlayState& state, float s, float whole) {
+  constexpr float most = 15.0f;  // N, as kLargestHandForce
   const Frame& frame = input.left.frame;
-  const float third = (whole - 12 * s) / 3.0f;
+  const Contact& nearest = frame.record.nearest;
   const auto ask = [&state](Action action) { state.asked.actions.push_back(action); };
   heading("Hand");
-  constexpr const char* grips[] = {"40 N/m", "400 N/m"};
-  if (choice(state, grips, 2, state.grip.stiffness == kFirmGrip.stiffness ? 1 : 0, whole,
-             "Stiffness of the hand: 40 N/m as in the paper, or a firm grip of 400 N/m (G).\n"
-             "force = grip x (hand - tool), at most 15 N") >= 0)
-    ask(Action::grip);
+  label("press into the wall");
+  const Vec3 stretch = frame.hand.target - frame.record.pose.position + nearest.gap * nearest.normal;
+  float press = std::clamp(static_cast<float>(-nearest.normal.dot(stiffnessOf(frame.hand.grip).cwiseProduct(stretch))),
+                           0.0f, most);
+  const float lift = 0.3f * whole;
+  ImGui::SetNextItemWidth(whole - lift - 6 * s);
+  if (ImGui::SliderFloat("##press", &press, 0.0f, most, "%.1f N", ImGuiSliderFlags_NoInput))
+    state.asked.press = static_cast<double>(press);
+  note(state, "press");
+  tip(state,
+      "Force of the hand into the nearest wall, N, if the wall does not give way (also Ctrl+wheel, or E and Q).\n"
+      "force = grip x (hand - surface)");
+  ImGui::SameLine(0, 6 * s);
+  if (toggle("lift  (H)", false, lift)) ask(Action::home);
+  tip(state, "Moves the hand back to the start, away from the wall (H).");
   if (toggle(frame.testing ? "pushing ..." : "Test push 12 N  (P)", frame.testing, whole)) ask(Action::testPush);
   note(state, "test push");
   tip(state,
       "Puts the tool on the wall, waits until it rests, and pushes with a step of 12 N. The perceived stiffness is "
       "this force divided by the depth at which the tool first reverses.\nK = F / depth at the first return");
+  constexpr const char* grips[] = {"grip 40 N/m", "grip 400 N/m"};
+  if (choice(state, grips, 2, state.grip.stiffness == kFirmGrip.stiffness ? 1 : 0, whole,
+             "Stiffness of the hand: 40 N/m as in the paper, or a firm grip of 400 N/m (G).\n"
+             "force = grip x (hand - tool), at most 15 N") >= 0)
+    ask(Action::grip);
   state.asked.settings |= slider(state, state.settings.noise,
                                  {"tremor of the hand", "%.2f", "N", 0, 2,
                                   "Random force of the hand along the normal of the wall, N (standard deviation)."});
+}
+
+void drawBur(const OverlayInput& input, OverlayState& state, float s, float whole) {
+  const Frame& frame = input.left.frame;
+  const float third = (whole - 12 * s) / 3.0f;
+  const auto ask = [&state](Action action) { state.asked.actions.push_back(action); };
   if (!input.bur) return;
   heading("Bur");
   ImGui::SameLine(whole - third);
@@ -225,35 +242,39 @@ void drawDevice(OverlayState& state, float whole) {
              {"tool damping", "%.1f", "N s/m", 0, 20,
               "Viscous damping of the tool everywhere, added to that of the device file.\nforce = -damping x "
               "speed"});
+  ImGui::AlignTextToFramePadding();
   label("delay, ms");
+  ImGui::SameLine(0.32f * whole);
   constexpr Delay delays[] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 3}};
   constexpr const char* names[] = {"0", "1", "2", "3", "0-3"};
   int now = -1;
   for (int i = 0; i < 5; ++i)
     if (settings.delay.low == delays[i].low && settings.delay.high == delays[i].high) now = i;
-  const int delay = choice(state, names, 5, now, whole,
+  const int delay = choice(state, names, 5, now, ImGui::GetContentRegionAvail().x,
                            "Delay between a measurement and the torque that answers it: constant, or a random number "
                            "from 0 to 3 in each tick. It makes springs unstable.");
   if (delay >= 0) settings.delay = delays[delay];
   state.asked.settings |= delay >= 0;
   state.asked.settings |= ImGui::Checkbox("angles in encoder counts", &settings.encoders.quantised);
   tip(state, "On: joint angles are rounded to the encoders' steps, as in a real device. Off: they are exact.");
-  label("speeds of the joints");
+  ImGui::AlignTextToFramePadding();
+  label("speeds");
+  ImGui::SameLine(0.32f * whole);
   constexpr RateSource sources[] = {RateSource::exact, RateSource::difference, RateSource::lowPass};
-  constexpr const char* rates[] = {"exact", "from steps", "filtered"};
+  constexpr const char* rates[] = {"exact", "steps", "filtered"};
   const int chosen = static_cast<int>(std::find(sources, sources + 2, settings.encoders.rates) - sources);
-  const int rate = choice(state, rates, 3, chosen, whole,
+  const int rate = choice(state, rates, 3, chosen, ImGui::GetContentRegionAvail().x,
                           "Source of the joint speeds: exact (impossible on a real device), from two angles, or the "
-                          "same with a low-pass filter.\nfrom steps: (angle - previous angle) / 1 ms");
+                          "same with a low-pass filter.\nsteps: (angle - previous angle) / 1 ms");
   if (rate >= 0) settings.encoders.rates = sources[rate];
   state.asked.settings |= rate >= 0;
 }
 
 void drawRunControls(const OverlayInput& input, OverlayState& state, float s, float whole) {
   const Frame& frame = input.left.frame;
+  drawHand(input, state, s, whole);
+  drawBur(input, state, s, whole);
   drawRendererChoice(input, state, s, whole);
-  drawRendererSettings(input, state);
-  drawHandAndBur(input, state, s, whole);
   drawDevice(state, whole);
 
   heading("Time and view");
@@ -266,17 +287,35 @@ void drawRunControls(const OverlayInput& input, OverlayState& state, float s, fl
       s, whole);
   drawViews(input, state, whole);
   ImGui::SetNextItemWidth(-1.0f);
-  if (ImGui::BeginCombo("##scene", input.scene.name.c_str())) {
+  const bool wasOpen = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId),
+             isOpen = ImGui::BeginCombo("##scene", input.scene.name.c_str());
+  note(state, "scene");
+  if (isOpen) {
+    if (wasOpen && !state.list) ImGui::CloseCurrentPopup();
     for (std::size_t i = 0; i < input.scene.names.size(); ++i)
       if (ImGui::Selectable(input.scene.names[i].c_str(), i == input.scene.index)) state.asked.scene = i;
     ImGui::EndCombo();
   }
+  state.list = isOpen;
   tip(state,
       "Scene of objects that the tool can touch. Drop a scan (PLY, OBJ, STL, OFF) or a scene file on the window to add "
       "your own.");
+  if (!state.scanNote.empty()) {
+    remark(state.scanNote);
+    actionButtons(state,
+                  {{"turn x", false, Action::turnX, "Turn the scan by 90 deg about x, to the right (X)."},
+                   {"turn y", false, Action::turnY, "Turn the scan by 90 deg about y, upwards (Y)."},
+                   {"turn z", false, Action::turnZ, "Turn the scan by 90 deg about z, towards you (Z)."}},
+                  s, whole);
+    actionButtons(state,
+                  {{"unit", false, Action::scanUnit, "Read the file in the next unit: mm, m, um (U)."},
+                   {"save as scene", false, Action::saveScene, "Write a scene file (Ctrl+S)."}},
+                  s, whole);
+  }
   for (const std::string& note : state.sceneNotes) remark(note);
-  ImGui::Dummy({0, 4 * s});
-  remark("Drag moves the hand, the wheel presses it into the wall. F1 lists every key.");
+  // At the end, because its height varies: nothing moves under the mouse.
+  drawRendererSettings(input, state);
+  remark("Drag the tool, or beside it to turn the view. F1 lists every key.");
 }
 
 }  // namespace

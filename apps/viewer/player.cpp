@@ -213,10 +213,15 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
 
 const Frame& Player::frame() {
   if (framed_ != position()) {
-    watch(stretchAt(position()), position() + 1, frame_, [](bool) {});
+    ReadoutFilter readouts;
+    const auto read = [&](bool) { frame_.readout = readouts.add(frame_.record); };
+    const std::size_t at = stretchAt(position());
+    if (at > 0) watch(at - 1, stretches_[at - 1].end, frame_, read);  // the filter needs more than a stretch
+    watch(at, position() + 1, frame_, read);
     framed_ = position();
   }
   frame_.paused = !playing_;
+  frame_.slowdown = static_cast<int>(std::ceil(1.0 / speed_));
   return frame_;
 }
 

@@ -11,8 +11,71 @@
 namespace enamel::viewer {
 
 namespace {
+
 constexpr float kDrillRow = 20.0f;
+
+// Return what the forces are.
+std::string forcesText(const Frame& frame, const Delivered& force, float room) {
+  if (isFault(frame.record.guard)) return "stopped by the guard";
+  const std::string across = tenths(force.tangential), total = tenths(force.total);
+  const std::string forces = format("normal; tangential %s N, total %s N", across.c_str(), total.c_str());
+  return Brush::width(gFonts.small, forces) <= room ? forces
+                                                    : format("tang. %s, total %s N", across.c_str(), total.c_str());
+}
+
 }  // namespace
+
+Rect numbersBox(const Layout& layout, const OverlayInput& input) {
+  const float s = layout.scale, high = ((input.knowsHand() ? 4 : 2) * kNumberRow + kNumberTitle) * s;
+  return {layout.scene.x, layout.scene.y + layout.scene.height - high - 14 * s, 260 * s, high};
+}
+
+void drawNumbers(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
+  const float s = layout.scale;
+  const Frame& frame = input.left.frame;
+  const Rect box = numbersBox(layout, input);
+  const Readout shown = shownOf(input, frame);
+  struct Number {
+    std::string value;
+    const char* unit;
+    std::string name;
+    unsigned colour;
+  };
+  const Delivered force = deliveredOf(shown.force, frame.record.nearest);
+  const double depth = 1e3 * shown.depth, now = shown.hand / std::max(1e-9, shown.depth);
+  const bool inside = depth > 1e-3 && shown.hand >= 0.1;  // for smaller values the ratio means nothing
+  // Beside the inset, as far as there is room.
+  const float room = layout.inset.width > 0 ? layout.inset.x - box.x - 36 * s : layout.scene.width;
+  const Number numbers[] = {
+      {format(std::abs(depth) < 0.1 || depth > 0.0 ? "%.3f" : "%.1f", std::abs(depth)), "mm",
+       depth > -0.0005 ? "penetration" : "to the wall", kDepth},
+      {tenths(force.normal), "N", forcesText(frame, force, room), kForce},
+      {tenths(shown.hand), "N", "force of the hand", kHand},
+      {!inside     ? "-"
+       : now < 1e6 ? format("%.1f", 1e-3 * now)
+                   : "> 1000",
+       "kN/m", "hand force / depth now", kInk},
+  };
+  const int count = input.knowsHand() ? 4 : 2;
+  const float x = box.x + 18 * s;
+  float y = box.y;
+  const std::string title = input.showsTick() ? "in this tick" : "smoothed over 0.1 s";
+  float wide = Brush::width(gFonts.small, title);
+  for (int i = 0; i < count; ++i) wide = std::max(wide, 12 * s + Brush::width(gFonts.small, numbers[i].name));
+  brush.clear(x, y - 3 * s, wide, box.height + 12 * s);
+  brush.text(gFonts.small, x, y, kMuted, title);
+  state.readouts.push_back(title);
+  y += kNumberTitle * s;
+  for (int i = 0; i < count; ++i) {
+    const Number& n = numbers[i];
+    brush.list->AddRectFilled({x, y + 3 * s}, {x + 3 * s, y + 38 * s}, ink(n.colour));
+    brush.text(gFonts.large, x + 12 * s, y, kInk, n.value);
+    brush.text(gFonts.text, x + 18 * s + Brush::width(gFonts.large, n.value), y + 8 * s, kMuted, n.unit);
+    brush.text(gFonts.small, x + 12 * s, y + 27 * s, kMuted, n.name);
+    state.readouts.push_back(n.value + " " + n.unit + ": " + n.name);
+    y += kNumberRow * s;
+  }
+}
 
 Rect drillBox(const Layout& layout, const OverlayInput& input) {
   if (!input.bur) return {};
@@ -80,7 +143,7 @@ std::vector<std::string> guardLines(const OverlayInput& input) {
   constexpr std::size_t most = 4;
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < std::min(most, reasons.size()); ++i)
-    lines.push_back(format("guard: %s, %llu %s", toString(static_cast<GuardReason>(reasons[i])),
+    lines.push_back(format("guard: %s, %llu %s", guardText(static_cast<GuardReason>(reasons[i])).c_str(),
                            static_cast<unsigned long long>(counts[reasons[i]]),
                            input.player != nullptr ? "times" : "ticks"));
   if (reasons.size() > most) lines.push_back(format("guard: %zu more reasons", reasons.size() - most));

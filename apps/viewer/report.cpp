@@ -93,7 +93,21 @@ void Report::write(const std::string& path, double seconds, Viewer& viewer, cons
   json["touring"] = viewer.isTouring();
   json["contact"] = viewer.isInContact();
   json["paused"] = viewer.frame().paused;
-  json["typing"] = ImGui::GetIO().WantTextInput ? viewer.overlay().typing.name : "";  // name of the slider
+  json["open"] = nlohmann::ordered_json::array();
+  const OverlayState& overlay = viewer.overlay();
+  for (const auto& [open, name] : {std::pair(overlay.help, "help"), {overlay.list, "list"}, {overlay.timing, "timing"}})
+    if (open) json["open"].push_back(name);
+  const Camera& camera = viewer.camera();
+  json["camera"] = {{"focus", {camera.focus.x, camera.focus.y, camera.focus.z}},
+                    {"azimuth", camera.azimuth},
+                    {"elevation", camera.elevation},
+                    {"distance", camera.distance}};
+  const Rect& scene = viewer.layout().scene;
+  const glm::dvec3 tool = project(camera, {scene.width, scene.height}, viewer.tool());
+  json["tool"] = {scene.x + tool.x, scene.y + tool.y};  // pixels
+  const Vec3& hand = viewer.frame().hand.target;
+  json["hand"] = {hand.x(), hand.y(), hand.z()};
+  json["typing"] = ImGui::GetIO().WantTextInput ? overlay.typing.name : "";  // name of the slider
   const DisplayHistory& shown = viewer.history();
   json["shown"] = {{"scenes", shown.scenes},
                    {"choice of scenes", viewer.sceneNames()},
@@ -101,11 +115,13 @@ void Report::write(const std::string& path, double seconds, Viewer& viewer, cons
                    {"notices", shown.notices},
                    {"badges", shown.badges},
                    {"tips", shown.tips},
+                   {"ratios", shown.ratios},
                    {"deepest [m]", shown.deepest},
                    {"stiffnesses", shown.stiffnesses},
-                   {"stiffness [N/m]", viewer.overlay().settings.spring.stiffness},
-                   {"delay [ticks]", viewer.overlay().settings.delay.high}};
-  for (const auto& [name, at] : viewer.overlay().controls) json["controls"][name] = {at.x, at.y};
+                   {"stiffness [N/m]", overlay.settings.spring.stiffness},
+                   {"delay [ticks]", overlay.settings.delay.high}};
+  json["readouts"] = overlay.readouts;
+  for (const auto& [name, at] : overlay.controls) json["controls"][name] = {at.x, at.y};
   json["opengl_errors"] = viewer.canvas().errors();
   json["dropped_samples"] = viewer.frame().droppedSamples;
   json["test_pushes"] = testPushes(viewer);

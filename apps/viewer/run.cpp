@@ -130,14 +130,15 @@ double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-int runInWindow(const Options& options, double started) {
-  Signals signals;
+namespace {
+
+// Show one scene or recording after another in a window, until a person, a script or a signal ends it. A dropped
+// recording replaces the experiment, and a dropped scene or scan a recording: `next` becomes its path.
+int showInWindow(const Options& options, WindowSurface& surface, Signals& signals, double started, std::string& next) {
   ScriptPlayer script(options);
-  makeFolder(options.record);
-  const auto surface = openWindow("Enamel", options.size);
-  Viewer viewer(options, *surface);
+  Viewer viewer(options, surface);
   Input target(viewer);
-  WindowInput input(surface->window(), target);
+  WindowInput input(surface.window(), target);
 
   Report report(started);
   ClipMaker clip(options.folder());
@@ -153,7 +154,8 @@ int runInWindow(const Options& options, double started) {
     };
     bool scripted = false;
     HapticPace pace(1.0 / options.frameRate);
-    while (glfwWindowShouldClose(surface->window()) == GLFW_FALSE && !viewer.wantsToEnd() && signals.caught() == 0) {
+    while (glfwWindowShouldClose(surface.window()) == GLFW_FALSE && !viewer.wantsToEnd() && signals.caught() == 0 &&
+           viewer.wantsToOpen().empty()) {
       const bool reports = signals.takeReportWanted();  // before the events, so that the reported picture includes them
       input.poll();
       if (options.fixedStep && haptics) pace.wait(*haptics, signals);
@@ -163,11 +165,11 @@ int runInWindow(const Options& options, double started) {
       const double time = options.fixedStep ? static_cast<double>(report.frames()) / options.frameRate : now - begin;
       script.play(time, [&](const ScriptStep& step) {
         viewer.follow(step, time);
-        surface->setFullScreen(viewer.fullScreen());  // before a step that sets the size
+        surface.setFullScreen(viewer.fullScreen());  // before a step that sets the size
         scripted = scripted || step.kind == ScriptStep::Kind::end;
       });
       input.hold(std::min(passed, 0.1));
-      surface->setFullScreen(viewer.fullScreen());
+      surface.setFullScreen(viewer.fullScreen());
       viewer.update(time, timing());
       ImGui_ImplGlfw_NewFrame();
       const std::vector<std::string> names = viewer.takePictures();
@@ -175,7 +177,7 @@ int runInWindow(const Options& options, double started) {
       viewer.draw(!names.empty());
       writePictures(options.folder(), viewer, names);
       if (clipped) clip.add(viewer, time);
-      surface->present();
+      surface.present();
       report.frame(time);
       if (scripted) break;
       if (reports) {
@@ -190,12 +192,27 @@ int runInWindow(const Options& options, double started) {
     finish(viewer, clip);
     if (scripted) return 0;
   }
-  if (signals.caught() != 0) return signals.caught();
-  if (viewer.runner() == nullptr) return 0;
-  if (viewer.isTouring()) return 0;  // no person holds the tool
-  if (viewer.isInContact())
-    throw Error("the window was closed while the tool was in contact: the wall disappeared at once");
-  return 0;
+  next = viewer.wantsToOpen();
+  return signals.caught();
+}
+
+}  // namespace
+
+int runInWindow(const Options& options, double started) {
+  Signals signals;
+  makeFolder(options.record);
+  Options shown = options;
+  std::string next;
+  if (!options.script.empty()) ScriptPlayer check(options);  // before a window opens
+  const auto surface = openWindow("Enamel", options.size);
+  for (int status = 0;;) {
+    next.clear();
+    status = showInWindow(shown, *surface, signals, started, next);
+    if (status != 0 || next.empty()) return status;
+    shown.script.clear();
+    shown.play = isRecording(next) ? next : "";
+    if (shown.play.empty()) shown.scene = next;
+  }
 }
 
 int runHeadless(const Options& options, double started) {

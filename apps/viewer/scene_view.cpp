@@ -20,7 +20,7 @@ constexpr std::size_t kShownContacts = 3;
 }  // namespace
 
 struct SceneView::Parts {
-  Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene);
+  Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene, float scale);
 
   // Draw transparent parts last, with the reference pose first among them.
   void raiseFaded(vtkRenderer* renderer);
@@ -37,10 +37,11 @@ struct SceneView::Parts {
   std::optional<ChipView> chips;
 };
 
-SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene)
+SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene,
+                        float scale)
     : tool(renderer, scene.tool, scene.bur ? &*scene.bur : nullptr, {kPlatform, kHandle, kNeedle}),
       ghost(renderer, scene.tool, nullptr, {kReference, kReference, kReference, 0.25, 1.3}),
-      device(renderer, bars),
+      device(renderer, bars, scale),
       arrow(above, 1.5, {kForce, 1.0, 0.1}),
       arrowHead(above, 3.8, {kForce, 1.0, 0.1}, true),
       pull(above, 1.0, {kHand, 1.0, 0.0}),
@@ -121,7 +122,7 @@ void SceneView::build(const std::vector<Bar>& bars, const SceneFile& file, const
     const bool has = i < solids.size() && solids[i].uncut;
     solids_.push_back(has ? std::make_unique<SolidView>(renderer_, solids[i], pose, plane, hidden, scale) : nullptr);
   }
-  parts_ = std::make_unique<Parts>(renderer_, above_, bars, file);
+  parts_ = std::make_unique<Parts>(renderer_, above_, bars, file, scale);
 }
 
 void SceneView::change(std::size_t obstacle, int brick) {
@@ -132,11 +133,15 @@ void SceneView::update(const SceneState& state) {
   Parts& p = *parts_;
   p.device.place(state.bars, state.pose);
   p.tool.place(state.pose, state.burAngle);
+  const bool whole = state.distance >= kDeviceFrom;
+  p.device.show(whole);
+  p.tool.showGrip(true, whole);
   const bool device = p.device.fadeBefore(state.eye, state.watched), tool = p.tool.fadeBefore(state.eye, state.watched);
   if (device || tool) p.raiseFaded(renderer_);
   for (const auto& solid : solids_)
     if (solid) solid->update();
   p.ghost.show(state.ghost.has_value());
+  if (!whole) p.ghost.showGrip(false, false);
   if (state.ghost) p.ghost.place(*state.ghost, 0.0);
   if (p.chips && state.chips != nullptr) p.chips->show(*state.chips);
   p.showHand(state);

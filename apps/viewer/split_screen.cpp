@@ -102,80 +102,67 @@ void drawCurves(const Rect& area, const OverlayInput& input, const Brush& brush)
   brush.list->PopClipRect();
 }
 
-std::string timesText(const Comparison::Ratio& ratio) {
-  const bool above = ratio.atLeast || ratio.times > 9999.0;
-  return std::string(above ? "> " : "") +
-         format(ratio.times >= 9.95 ? "%.0f\u00d7" : "%.1f\u00d7", std::min(ratio.times, 9999.0));
-}
-
-// Draw the ratio of the two depths.
-void drawRatio(const Rect& area, const OverlayInput& input, const Brush& brush) {
+// Draw the ratio of the two depths of the test pushes. The same push gives the same numbers every time.
+void drawRatio(const Rect& area, const OverlayInput& input, OverlayState& state, const Brush& brush) {
   const float s = brush.s, x = area.x;
-  const Comparison& both = input.comparison;
   const Frame* const frames[] = {&input.left.frame, &input.right->frame};
+  const TestPush* tests[2];
+  for (std::size_t i = 0; i < 2; ++i) tests[i] = &frames[i]->tests[indexOf(frames[i]->selected)];
   const auto titled = [&](float y, std::size_t side, const char* before) {
     const float at = x + Brush::width(gFonts.text, before);
     brush.text(gFonts.text, x, y, kInk, before);
     brush.list->AddCircleFilled({at + 5 * s, y + 9 * s}, 5 * s, ink(sideColour(input, side)));
     brush.text(gFonts.bold, at + 15 * s, y, kInk, titleOf(input, indexOf(frames[side]->selected)));
   };
-  const std::optional<Comparison::Ratio> ratio = both.ratio();
   float y = area.y + 10 * s;
+  const std::optional<DepthRatio> ratio = ratioOf(*tests[0], *tests[1]);
   if (!ratio) {
     brush.text(gFonts.bold, x, y, kInk, "Which one is stiffer?");
-    brush.text(gFonts.text, x, y + 24 * s, kMuted, "Press both into the wall with");
-    brush.text(gFonts.text, x, y + 43 * s, kMuted, "1 N or more, or P: test push.");
+    brush.text(gFonts.text, x, y + 24 * s, kMuted, "P pushes both with the same 12 N.");
+    for (std::size_t i = 0; i < 2; ++i)
+      if (tests[i]->made) {
+        titled(y + (54 + 42 * static_cast<float>(i)) * s, i, "");
+        brush.text(gFonts.text, x + 15 * s, y + (73 + 42 * static_cast<float>(i)) * s, kMuted, shownText(*tests[i]));
+      }
     return;
   }
+  const std::string times =
+      (ratio->atLeast ? "> " : "") + format(ratio->times >= 9.95 ? "%.0f\u00d7" : "%.1f\u00d7", ratio->times);
   titled(y, ratio->deeper, "");
   brush.text(gFonts.text, x, y + 18 * s, kMuted, "sinks");
-  brush.text(gFonts.huge, x, y + 28 * s, kInk, timesText(*ratio));
+  brush.text(gFonts.huge, x, y + 28 * s, kInk, times);
   titled(y + 82 * s, 1 - ratio->deeper, "as deep as ");
   y += 103 * s;
-  const auto depth = [&](std::size_t side) {
-    return both.deepest(side) < Comparison::kLeast ? format("< %g", 1e3 * Comparison::kLeast)
-                                                   : format("%.3f", 1e3 * both.deepest(side));
-  };
-  brush.text(gFonts.small, x, y, kMuted,
-             format("deepest of this press: %s and %s mm", depth(0).c_str(), depth(1).c_str()));
-  const TestPush* tests[2];
-  for (std::size_t i = 0; i < 2; ++i) tests[i] = &frames[i]->tests[indexOf(frames[i]->selected)];
-  if (!tests[0]->made && !tests[1]->made) return;
-  const auto result = [](const TestPush& test) {
-    return test.verdict == FirstImpactVerdict::measured ? stiffnessText(test.stiffness)
-           : test.made                                  ? verdictText(test)
-                                                        : std::string("not measured");
-  };
+  const std::string depths = format("test push of 12 N: %s and %s", depthText(tests[0]->deepest).c_str(),
+                                    depthText(tests[1]->deepest).c_str());
+  brush.text(gFonts.small, x, y, kMuted, depths);
   brush.text(gFonts.small, x, y + 17 * s, kMuted,
-             format("perceived: %s and %s", result(*tests[0]).c_str(), result(*tests[1]).c_str()));
+             format("perceived: %s and %s", shownText(*tests[0]).c_str(), shownText(*tests[1]).c_str()));
+  state.readouts.push_back(times + "; " + depths);
 }
 
-// Draw the position of a pane's tool, and the motors' force on it as delivered.
-void drawForces(const Rect& inset, const Frame& frame, const Brush& brush) {
-  const float s = brush.s, x = inset.x + 10 * s, wall = inset.y + kWallShare * inset.height;
-  const Delivered force = deliveredOf(frame.record);
-  const double depth = -1e3 * frame.record.nearest.gap;
-  const std::pair<const char*, std::string> rows[] = {
-      {depth > -0.0005 ? "depth" : "to the wall",
-       format(std::abs(depth) < 10.0 ? "%.3f mm" : "%.1f mm", std::abs(depth))},
-      {"normal", tenths(force.normal) + " N"},
-      {"tangential", tenths(force.tangential) + " N"},
-      {"total", tenths(force.total) + " N"}};
-  float y = inset.y + 28 * s;
-  const float right = x + std::min(134 * s, 0.5f * inset.width - 50 * s);
+// Draw in words how deep a pane's tool sank in this press, then the motors' force on it.
+void drawWords(const Rect& inset, double deepest, const Delivered& force, OverlayState& state, const Brush& brush) {
+  const float s = brush.s, x = inset.x + 12 * s, wall = inset.y + kWallShare * inset.height;
+  const std::string words = "sank " + depthText(deepest);
+  brush.text(gFonts.large, x, inset.y + 4 * s, kInk, words);
+  state.readouts.push_back(words);
+  const std::pair<const char*, double> rows[] = {
+      {"force, normal", force.normal}, {"tangential", force.tangential}, {"total", force.total}};
+  float y = inset.y + 36 * s;
   for (const auto& [name, value] : rows) {
     if (y + 15 * s > wall) break;  // as many rows as fit above the wall
     brush.text(gFonts.small, x, y, kMuted, name);
-    brush.textRight(gFonts.small, right, y, kInk, value);
+    brush.textRight(gFonts.small, x + 128 * s, y, kInk, tenths(value) + " N");
     y += 17 * s;
   }
 }
 
 // Draw the comparison below the panes: depths, curves and ratio.
-void drawComparison(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+void drawComparison(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
   const float s = layout.scale;
   const Rect& a = layout.compare;
-  brush.list->AddLine({layout.right.x, 0}, {layout.right.x, a.y}, ink(kCubeLine), 2 * s);
+  brush.list->AddLine({layout.right.x, layout.right.y}, {layout.right.x, a.y}, ink(kCubeLine), 2 * s);
   if (a.height <= 0) return;
   brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper));
   brush.list->AddLine({a.x, a.y}, {a.x + a.width, a.y}, ink(kCubeLine), 2 * s);
@@ -184,27 +171,28 @@ void drawComparison(const Layout& layout, const OverlayInput& input, const Brush
   const float share = plots >= 480 * s ? 0.5f : 1.0f;  // without room: one plot only
   drawDepths({a.x + 48 * s, top, share * plots - 74 * s, high}, input, brush);
   if (share < 1.0f) drawCurves({a.x + share * plots + 48 * s, top, share * plots - 80 * s, high}, input, brush);
-  drawRatio({a.x + a.width - ratio, a.y, ratio, a.height}, input, brush);
+  drawRatio({a.x + a.width - ratio, a.y, ratio, a.height}, input, state, brush);
 }
 
 }  // namespace
 
-// Draw the text and the progress of the tour between the tools, above the scale bars of the insets.
+// Draw the text and the progress of the tour above both panes.
 void drawTour(const Layout& layout, double time, const Brush& brush) {
-  const float s = layout.scale, whole = 2 * layout.scene.width, pad = 14 * s, high = 76 * s;
+  const float s = layout.scale;
+  const Rect& a = layout.tour;
   const std::size_t part = Tour::part(time);
   const Tour::Words& words = Tour::words(part);
-  const float wide = std::max(Brush::width(gFonts.text, words.sentence), 320 * s) + 2 * pad;
-  const Rect& above = layout.inset.width > 0 ? layout.inset : layout.scene;
-  const float x = layout.scene.x + 0.5f * (whole - wide), left = x + pad, right = x + wide - pad;
-  const float y = std::max(0.0f, above.y + above.height - 38 * s - high);
-  brush.list->AddRectFilled({x, y}, {x + wide, y + high}, ink(kInk, 0.93), 8 * s);
-  brush.text(gFonts.large, left, y + 6 * s, 0xFFFFFF, words.title);
-  brush.textRight(gFonts.small, right, y + 15 * s, kLine, format("%zu of %zu   Esc: skip", part + 1, Tour::kParts));
-  brush.text(gFonts.text, left, y + 40 * s, 0xFFFFFF, words.sentence);
-  const float done = (right - left) * static_cast<float>(std::min(1.0, time / Tour::kLength));
-  brush.list->AddRectFilled({left, y + 66 * s}, {right, y + 69 * s}, ink(kMuted));
-  brush.list->AddRectFilled({left, y + 66 * s}, {left + done, y + 69 * s}, ink(0xFFFFFF));
+  const float left = a.x + 18 * s, right = a.x + a.width - 18 * s, title = Brush::width(gFonts.large, words.title);
+  brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kInk));
+  brush.text(gFonts.large, left, a.y + 6 * s, 0xFFFFFF, words.title);
+  brush.textRight(gFonts.small, right, a.y + 8 * s, kLine, format("%zu of %zu", part + 1, Tour::kParts));
+  brush.textRight(gFonts.small, right, a.y + 24 * s, kLine, "Esc: skip");
+  const char* const sentence = words.sentence;
+  brush.text(gFonts.text, left + (a.width >= 600 * s ? title + 18 * s : 0.0f), a.y + (a.width >= 600 * s ? 13 : 38) * s,
+             0xFFFFFF, sentence);
+  const float done = (right - left) * static_cast<float>(std::min(1.0, time / Tour::kLength)), y = a.y + 58 * s;
+  brush.list->AddRectFilled({left, y}, {right, y + 3 * s}, ink(kMuted));
+  brush.list->AddRectFilled({left, y}, {left + done, y + 3 * s}, ink(0xFFFFFF));
 }
 
 void drawSplitScreen(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
@@ -213,11 +201,13 @@ void drawSplitScreen(const Layout& layout, const OverlayInput& input, OverlaySta
   const std::tuple<const Rect&, const Rect&, const ToolInput&, unsigned> panes[] = {
       {layout.scene, layout.inset, input.left, sideColour(input, 0)},
       {layout.right, layout.rightInset, *input.right, sideColour(input, 1)}};
-  for (const auto& [scene, inset, tool, colour] : panes) {
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto& [scene, inset, tool, colour] = panes[side];
     const Frame& frame = tool.frame;
     if (inset.width > 0) {
-      drawInset({inset, tool, noTrail, true, colour}, input.scene.toolRadius, state, brush);
-      drawForces(inset, frame, brush);
+      drawInset({layout, inset, input, tool, noTrail, true, colour, input.comparison.deepest(side)}, state, brush);
+      drawWords(inset, input.comparison.deepest(side), deliveredOf(shownOf(input, frame).force, frame.record.nearest),
+                state, brush);
     }
     const std::string title = titleOf(input, indexOf(frame.selected));
     const float x = scene.x + 14 * s, y = scene.y + 10 * s, right = scene.x + scene.width - 14 * s;
@@ -230,7 +220,7 @@ void drawSplitScreen(const Layout& layout, const OverlayInput& input, OverlaySta
     drawBadges(right, y + 32 * s, frame, brush);
     brush.list->PopClipRect();
   }
-  drawComparison(layout, input, brush);
+  drawComparison(layout, input, state, brush);
 }
 
 }  // namespace enamel::viewer

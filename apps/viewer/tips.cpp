@@ -27,13 +27,27 @@ constexpr const char* kGaugeTip =
     "The stiffness of the first impact of a test push (P), from 1 kN/m to 1 MN/m. Grey: impossible here for any "
     "renderer without a force sensor, at this delay.\nK_z1 = force of the step / depth at the first return";
 constexpr const char* kInsetTip =
-    "The contact, magnified. The wall is always below and the tool above; the scale is at the bottom left. Orange red: "
-    "force of the motors. Orange: force of the hand.";
+    "The contact, magnified. The wall is always below and the tool above; the scale in mm or \u00b5m is at the left. "
+    "Numbers: depths of all contacts that touch, deepest first, mm. Orange red: force of the motors, N. Orange: force "
+    "of "
+    "the hand, N.";
+constexpr const char* kDrillTip =
+    "Depth of the bur's tip below the uncut surface, mm. Feed: its speed into the material, mm/s. Then the removed "
+    "volume "
+    "of each layer, mm\u00b3.";
+constexpr const char* kTimeTip =
+    "Time of the recording, s. Drag the mark to any time. Orange red: contact. Dark red: the guard acted. Dark: ticks "
+    "are "
+    "missing.";
+constexpr const char* kStatusTip =
+    "contact: the tool touches a wall. free: it does not. stopped: the guard has switched the motors off, with the "
+    "reason. "
+    "guard: it limits the force in this tick.";
 constexpr const char* kCompareTip[] = {
     "Depths of both tools over the last 3 s, mm.",
     "Force of the motors over the depth of the last press: a steeper curve is a stiffer wall.",
-    ("Ratio of the largest depths of the two tools in the last press. A depth below 2 \u00b5m counts as 2 \u00b5m, so "
-     "the ratio is then a lower bound.")};
+    ("Ratio of the largest depths of the two tools in the last test push (P), a step of 12 N from rest. A depth below "
+     "2 \u00b5m counts as 2 \u00b5m, so the ratio is then a lower bound.")};
 constexpr const char* kBadgeTip =
     "saturated: a motor is at its limit. unstable: torques alternate by more than a quarter of their limits. slipped: "
     "the tool slid 0.2 mm on a wall with friction. edge of workspace: the tool is at a mechanical stop.";
@@ -42,7 +56,9 @@ constexpr const char* kBadgeTip =
 
 void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& state) {
   const ImVec2 at = ImGui::GetIO().MousePos;
-  if (ImGui::GetIO().WantCaptureMouse || state.help || ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1)) return;
+  if (ImGui::GetIO().WantCaptureMouse || state.help || input.elapsed.tour >= 0.0 || ImGui::IsMouseDown(0) ||
+      ImGui::IsMouseDown(1))
+    return;
   const float s = layout.scale;
   const Rect& scene = layout.scene;
   const auto onInset = [&](const Rect& inset) { return inset.width > 0 && has(inset, at); };
@@ -55,10 +71,13 @@ void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& sta
   for (std::size_t i = 0; i < kCharts; ++i)
     if (layout.charts.width > 0 && has(layout.chart[i], at)) return showTip(state, kChartTip[i]);
   if (layout.gauge.width > 0 && has(layout.gauge, at)) return showTip(state, kGaugeTip);
-  const int count = input.knowsHand() ? 4 : 2;  // as in drawNumbers()
-  const float row = 46 * s, top = scene.y + scene.height - static_cast<float>(count) * row - 14 * s;
-  if (has({scene.x + 18 * s, top, 150 * s, static_cast<float>(count) * row}, at))
-    return showTip(state, kNumberTip[static_cast<std::size_t>((at.y - top) / row)]);
+  if (input.bur && has(drillBox(layout, input), at)) return showTip(state, kDrillTip);
+  if (layout.bar.width > 0 && has(layout.bar, at)) return showTip(state, kTimeTip);
+  if (has({scene.x + scene.width - 140 * s, scene.y + 16 * s, 122 * s, 24 * s}, at)) return showTip(state, kStatusTip);
+  const Rect numbers = numbersBox(layout, input);
+  const float top = numbers.y + kNumberTitle * s;
+  if (has({scene.x + 18 * s, top, 150 * s, numbers.height - kNumberTitle * s}, at))
+    return showTip(state, kNumberTip[static_cast<std::size_t>((at.y - top) / (kNumberRow * s))]);
   const auto badges = badgesOf(input.left.frame);
   const bool any = std::any_of(badges.begin(), badges.end(), [](const auto& badge) { return badge.first; });
   if (any && has({scene.x + scene.width - 240 * s, scene.y + 72 * s, 222 * s, 22 * s}, at)) showTip(state, kBadgeTip);

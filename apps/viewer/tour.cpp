@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 namespace enamel::viewer {
 namespace {
@@ -17,14 +18,14 @@ struct Keyframe {
   double pressed, along;
 };
 constexpr Keyframe kKeyframes[] = {
-    {0.0, 0.0, 0.0},  {1.5, 0.0, 0.0},  {3.5, 1.0, 0.0},   {5.0, 1.0, 0.0},  {5.5, 0.6, 0.0},  {6.0, 1.0, 0.0},
-    {7.0, 1.0, 0.0},  {9.0, 1.0, 1.0},  {12.0, 1.0, -1.0}, {13.5, 1.0, 0.0}, {15.0, 1.0, 0.0}, {15.1, 0.0, 0.0},
-    {17.0, 0.0, 0.0}, {18.0, 1.0, 0.0}, {18.5, 1.0, 0.0},  {18.6, 0.0, 0.0}, {20.0, 0.0, 0.0},
+    {0.0, 0.0, 0.0},  {7.0, 0.0, 0.0},  {8.0, 1.0, 0.0},  {9.5, 1.0, 1.0},  {12.0, 1.0, -1.0},
+    {13.5, 1.0, 0.0}, {15.0, 1.0, 0.0}, {15.1, 0.0, 0.0}, {17.0, 0.0, 0.0}, {18.0, 1.0, 0.0},
+    {18.5, 1.0, 0.0}, {18.6, 0.0, 0.0}, {20.0, 0.0, 0.0},
 };
 constexpr double kEnds[] = {7.0, 14.0, Tour::kLength};  // ends of the parts, s
 constexpr Tour::Words kWords[] = {
-    {"Push", "One hand presses both tools. A stiff wall does not give way."},
-    {"Slide", "The hand still presses and drags both tools along the wall."},
+    {"Push", "Both tools get the same push of 12 N. The stiffer wall lets its tool sink less."},
+    {"Slide", "One hand presses both tools and drags them along the wall."},
     {"Let go", "The hand lifts off at once: see how each wall responds."},
 };
 static_assert(std::size(kEnds) == Tour::kParts && std::size(kWords) == Tour::kParts);
@@ -61,6 +62,12 @@ const Tour::Words& Tour::words(std::size_t part) noexcept { return kWords[part];
 void HandMotion::startTour(const Tour& tour, double now) {
   tour_ = tour;
   begin_ = now;
+  pushed_ = false;
+}
+
+bool HandMotion::takePush(double now) {
+  const bool due = tour_ && now - begin_ >= Tour::kPush;
+  return due && !std::exchange(pushed_, true);
 }
 
 void HandMotion::startLine(const Vec3& from, const Vec3& to, double seconds, double now) {

@@ -1,4 +1,4 @@
-// The tour of the split screen: motions of the hand for 20 s, with texts. Independent of any window.
+// The tour of the split screen: a test push, then motions of the hand, with texts. Independent of any window.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,12 @@
 
 namespace enamel::viewer {
 
-/// The hand pushes into the nearest wall, slides along it, releases it, and ends where it began.
+/// After a test push the hand presses the nearest wall, slides along it, releases it, and ends where it began.
 class Tour {
  public:
   static constexpr double kLength = 20.0;  ///< s
   static constexpr std::size_t kParts = 3;
+  static constexpr double kPush = 1.0;    ///< begin of the test push, s
   static constexpr double kForce = 12.0;  ///< force of its springs against a rigid wall, N
 
   /// `start`: of the TCP, m. `nearest`: nearest contact at that pose, at any distance. `grip`: of the hand.
@@ -43,6 +44,9 @@ class HandMotion {
   /// Return the time since the tour began; negative: no tour.
   double tourTime(double now) const { return tour_ ? now - begin_ : -1.0; }
 
+  /// Return true once, when the tour's test push is due.
+  bool takePush(double now);
+
   /// Start a motion along a line, mm, that lasts `seconds`.
   void startLine(const Vec3& from, const Vec3& to, double seconds, double now);
   void endLine() { line_.reset(); }
@@ -59,6 +63,7 @@ class HandMotion {
   std::optional<Tour> tour_;
   std::optional<Line> line_;
   double begin_ = 0.0;
+  bool pushed_ = false;
 };
 
 /// Return whether this user starts the program for the first time, and remember the start. A file in $XDG_STATE_HOME

@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kNotice = 3.0, kNoticeByte = 0.03;  // s, and per letter
 constexpr std::size_t kTrail = 150;                  // ticks
+constexpr double kGhost = 5e-5;                      // m: at smaller depths the reference pose is not drawn
 
 const std::string& existing(const std::string& file) {
   static const std::string none;
@@ -35,6 +36,7 @@ Hand handAt(const Vec3& position, const Grip& grip) {
 
 std::unique_ptr<LiveDevice> connect(const Options& options) {
   if (!options.play.empty() || !isDeviceUrl(options.device)) return nullptr;
+  if (isScan(options.scene)) throw Error(options.scene + ": a scan needs the simulated device (--device FILE)");
   SessionDef def;
   def.device = options.device;
   def.scene = options.scene;
@@ -71,14 +73,22 @@ std::unique_ptr<Runner> firstRunner(const ServoedDevice& device, const SceneFile
       std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot, drilled));
 }
 
+// Return the text of a scene file, or of the scene that is made for a scan. `note`: about the scan.
+std::string sceneTextOf(const std::string& path, const ScanPlacement& placement, std::string& note) {
+  if (!isScan(path)) return readFile(path);
+  ScanScene scan = sceneOfScan(path, placement);
+  note = scan.note;
+  return scan.text;
+}
+
 // Describe the experiment in a recording's header.
-RecordingHeader headerOf(const ServoedDevice& device, const std::string& scenePath, const SceneFile& scene,
-                         const Pose& start, RendererSlot slot) {
+RecordingHeader headerOf(const ServoedDevice& device, const std::string& scenePath, const std::string& sceneText,
+                         const SceneFile& scene, const Pose& start, RendererSlot slot) {
   RecordingHeader header;
   header.deviceFile = std::filesystem::absolute(device.pluginSetup.devicePath).string();
   header.deviceText = readFile(header.deviceFile);
   header.sceneFile = std::filesystem::absolute(scenePath).string();
-  header.sceneText = readFile(header.sceneFile);
+  header.sceneText = sceneText;
   header.start = start;
   const bool isPlugin = device.plugin && slotOf(*device.plugin) == slot;
   nameRenderer(rendererNames(device.plugin.get())[indexOf(slot)], isPlugin ? device.plugin->path() : "",
@@ -102,14 +112,18 @@ Viewer::Viewer(const Options& options, Surface& surface)
       torques_(*plant_),
       folder_(options.folder()),
       scenePath_(options.scene),
-      scene_(player_ ? player_->scene() : enamel::loadScene(options.scene)),
+      sceneText_(player_ || live_ ? "" : sceneTextOf(options.scene, placement_, overlay_.scanNote)),
+      scene_(player_ ? player_->scene()
+             : live_ ? enamel::loadScene(options.scene)
+                     : parseScene(sceneText_, options.scene)),
       renderers_(options.begin),
       drilledSolids_(std::make_shared<DrilledSolids>(scene_)),
       solids_(copiesOf(scene_)),
       runner_(player_ || live_ ? nullptr : firstRunner(device_, scene_, renderers_.selected, drilledSolids_)),
       canvas_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
       charts_(canvas_.charts(), existing(ENAMEL_VIEWER_FONT), torques_,
-              player_ ? player_->header().guard.period : kPeriod, player_ != nullptr) {
+              player_ ? player_->header().guard.period : kPeriod, player_ != nullptr),
+      camera_(fieldCamera(scene_)) {
   left_.view.emplace(canvas_.scene(), canvas_.above());
   for (Pane* const pane : {&left_, &right_}) {
     pane->kinematics = plant_->home();
@@ -123,6 +137,7 @@ Viewer::Viewer(const Options& options, Surface& surface)
   }
   overlay_.sceneNotes = scene_.notes;
   if (live_) return;
+  if (!overlay_.scanNote.empty()) notify(overlay_.scanNote);
   scenes_.addFolder(std::filesystem::path(dataFolder()) / "scenes");
   scenes_.addFolder(std::filesystem::absolute(options.scene).parent_path());
   scenes_.add(options.scene);
@@ -130,10 +145,9 @@ Viewer::Viewer(const Options& options, Surface& surface)
 
 glm::dvec3 Viewer::tool() const { return millimetres(left_.frame.record.pose.position); }
 
-glm::dvec3 Viewer::normal() const {
-  const Vec3& n = left_.frame.record.nearest.normal;
-  return {n.x(), n.y(), n.z()};
-}
+glm::dvec3 Viewer::axis() const { return millimetres(left_.frame.record.pose.rotation.col(2)) / kMillimetres; }
+
+glm::dvec3 Viewer::normal() const { return millimetres(left_.frame.record.nearest.normal) / kMillimetres; }
 
 void Viewer::notify(const std::string& text) {
   DisplayHistory::add(history_.notices, text);
@@ -159,8 +173,9 @@ void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests, const 
     }
     if (!split_) right_.frame = Frame();
     if (!record.empty())
-      recording_ = {left->recordTo(record, headerOf(device_, scenePath_, scene_, start, renderers_.selected)), record,
-                    simulated_};
+      recording_ = {
+          left->recordTo(record, headerOf(device_, scenePath_, sceneText_, scene_, start, renderers_.selected)), record,
+          simulated_};
     runner_->replace(std::move(left), std::move(right));
     if (spins_ && scene_.bur) send(RunnerCommand::Kind::spin, 1);
   } catch (const Error& error) {
@@ -176,10 +191,15 @@ void Viewer::startAgain(bool keepTests) {
   rebuild(start, handAt(scene_.start, overlay_.grip), keepTests);
 }
 
-// Load a scene. On failure, notify the person and keep the present scene.
-bool Viewer::loadScene(const std::string& path) {
+// Load a scene, or make one of a scan. On failure, notify the person and keep the present scene.
+bool Viewer::loadScene(const std::string& path, const ScanPlacement& placement) {
   try {
-    scene_ = isScan(path) ? sceneOfScan(path) : enamel::loadScene(path);
+    std::string note;
+    const std::string text = sceneTextOf(path, placement, note);
+    scene_ = parseScene(text, path);
+    sceneText_ = text;
+    placement_ = placement;
+    overlay_.scanNote = note;
     motion_.endTour();
     scenePath_ = path;
     overlay_.sceneNotes = scene_.notes;
@@ -187,8 +207,10 @@ bool Viewer::loadScene(const std::string& path) {
     solids_ = copiesOf(scene_);
     plane_.reset();
     bur_.silence();
-    for (const std::string& note : scene_.notes) notify(note);
+    for (const std::string& warning : scene_.notes) notify(warning);
+    if (!note.empty()) notify(note);
     builtScale_ = 0.0f;
+    camera_.setField(fieldCamera(scene_));
     if (split_ && scene_.bur) toggleSplit();
     comparison_.clear();
     startAgain();
@@ -200,7 +222,9 @@ bool Viewer::loadScene(const std::string& path) {
 }
 
 void Viewer::takeRun() {
-  if (const std::optional<Vec3> target = motion_.target(now_)) sendHand(RunnerCommand::Kind::handTo, *target);
+  if (motion_.takePush(now_)) send(RunnerCommand::Kind::testPush);
+  const std::optional<Vec3> target = motion_.target(now_);
+  if (target && !(motion_.isTouring() && left_.frame.testing)) sendHand(RunnerCommand::Kind::handTo, *target);
   if (motion_.tourTime(now_) >= Tour::kLength) endTour(false);
   runner_->collect();
   if (recording_.recorder.use_count() == 1) notify(endRecording());
@@ -265,7 +289,7 @@ void Viewer::takeDevice() {
   if (trail_.size() > kTrail) trail_.erase(trail_.begin(), trail_.end() - static_cast<std::ptrdiff_t>(kTrail));
   const GuardReason fault = live_->snapshot().fault;
   if (fault != fault_ && fault != GuardReason::none)
-    notify(std::string("Stopped by the guard: ") + toString(fault) + ". Backspace continues.");
+    notify("Stopped by the guard: " + guardText(fault) + ". Backspace continues.");
   fault_ = fault;
 }
 
@@ -277,6 +301,7 @@ void Viewer::takeRequests() {
   if (asked.renderer) select(*std::exchange(asked.renderer, std::nullopt));
   if (asked.right) selectRight(*std::exchange(asked.right, std::nullopt));
   if (!asked.problem.empty()) notify(std::exchange(asked.problem, {}));
+  if (asked.press) pressWith(*std::exchange(asked.press, std::nullopt));
   if (asked.spin) spin(*std::exchange(asked.spin, std::nullopt));
   for (const Action action : std::exchange(asked.actions, {})) act(action);
 }
@@ -301,7 +326,7 @@ void Viewer::fillShown(Pane& pane) const {
     Kinematics reference = pane.kinematics;
     const JointVector atRest = JointVector::Zero(plant_->joints());
     if (plant_->track(frame.reference, atRest, false, reference) == Status::ok) shown.ghost = reference.pose;
-  } else if (contact.gap < 0.0 && !frame.drilled.spins) {
+  } else if (contact.gap < -kGhost && !frame.drilled.spins) {
     shown.ghost = Pose{frame.record.pose.position - contact.gap * contact.normal, frame.record.pose.rotation};
   }
 }
@@ -319,13 +344,13 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   takeRequests();
   if (now > noticeEnd_) overlay_.notice.clear();
   const TickRecord& record = left_.frame.record;
-  if (record.nearest.point.allFinite()) camera_.follow(millimetres(record.nearest.point), now, passed);
+  if (record.nearest.point.allFinite()) camera_.follow(millimetres(record.nearest.point), passed);
   noteShown();
 
   fillShown(left_);
   if (split_) fillShown(right_);
   limit_ = stiffnessLimit(left_.kinematics, plant_->limits().effort, record.nearest.normal, overlay_.settings.delay);
-  layout_ = split_ ? layOutSplit(surface_.size(), surface_.scale(), overlay_.panels)
+  layout_ = split_ ? layOutSplit(surface_.size(), surface_.scale(), overlay_.panels, motion_.isTouring())
                    : layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts,
                             player_ ? 0
                             : live_ ? -1
@@ -352,6 +377,8 @@ void Viewer::noteShown() {
     if (on) DisplayHistory::add(history_.badges, name);
   }
   DisplayHistory::add(history_.tips, overlay_.tip.text);
+  for (const std::string& text : overlay_.readouts)
+    if (text.find("\u00d7") != std::string::npos) DisplayHistory::add(history_.ratios, text);
   DisplayHistory::add(history_.stiffnesses, stiffnessText(overlay_.settings.spring.stiffness));
   history_.deepest = std::max(history_.deepest, -frame.record.nearest.gap);
 }
@@ -395,7 +422,7 @@ OverlayInput Viewer::overlayInput() const {
       trail_,
       comparison_,
       camera_.camera(),
-      camera_.name(),
+      camera_.view(),
       timing_,
       {simulated_, motion_.tourTime(now_), recording_.recorder ? simulated_ - recording_.begin : -1.0, clip_}};
   if (split_) input.right.emplace(toolOf(right_));

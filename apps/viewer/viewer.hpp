@@ -17,6 +17,7 @@
 #include "overlay_input.hpp"
 #include "player.hpp"
 #include "runner.hpp"
+#include "scan.hpp"
 #include "scene_view.hpp"
 #include "script.hpp"
 #include "surface.hpp"
@@ -37,11 +38,14 @@ class Viewer final : public InputTarget {
   Camera& camera() override { return camera_.camera(); }
   const Layout& layout() const override { return layout_; }
   glm::dvec3 tool() const override;
+  glm::dvec3 axis() const override;
   glm::dvec3 normal() const override;
   bool wantsToEnd() const { return end_; }
   bool fullScreen() const { return fullScreen_; }
   /// Return whether a clip is requested. The loop that drives the viewer makes it and reports its start time.
   bool wantsClip() const { return wantsClip_; }
+  /// Return a dropped file that another viewer must show: a recording, or a scene or scan in place of a recording.
+  const std::string& wantsToOpen() const { return open_; }
   void endClip() { wantsClip_ = false; }
   void showClip(double seconds) { clip_ = seconds; }
   /// End a running recording. Return its result as a sentence, or an empty text.
@@ -119,10 +123,14 @@ class Viewer final : public InputTarget {
   void undo();
   void cutOpen();
   void resetAll();
+  void closeTop();
+  void pressWith(double newtons);
   void toggleRecording();
+  bool actOnScan(Action action);
+  bool canOpen(const std::string& path);
 
   // viewer.cpp
-  bool loadScene(const std::string& path);
+  bool loadScene(const std::string& path, const ScanPlacement& placement = {});
   void rebuild(const Pose& start, const Hand& hand, bool keepTests, const std::string& record = {});
   void startAgain(bool keepTests = false);
   void takeRun();
@@ -144,11 +152,14 @@ class Viewer final : public InputTarget {
   std::vector<std::string> rendererNames_;
   std::shared_ptr<const Mechanism> plant_;  // with the person's changes
   TorqueStyle torques_;
-  std::string folder_;     // for recordings
-  std::string scenePath_;  // of the shown scene
+  std::string folder_;  // for recordings
+  OverlayState overlay_;
+  std::string scenePath_;    // of the shown scene, or of its scan
+  ScanPlacement placement_;  // of the scan
+  std::string sceneText_;    // of the scene file; empty for a recording and a connected device
+  std::string open_;
   SceneFile scene_;
   SceneList scenes_;  // shipped scenes and the person's own
-  OverlayState overlay_;
   Choice renderers_;
   std::shared_ptr<DrilledSolids> drilledSolids_;
   std::vector<SolidCopy> solids_;  // by obstacle

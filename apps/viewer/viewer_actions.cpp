@@ -1,11 +1,14 @@
 // Actions of a person or a script in the viewer.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <utility>
 
+#include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "free_path.hpp"
-#include "scan.hpp"
 #include "viewer.hpp"
 
 namespace enamel::viewer {
@@ -118,8 +121,33 @@ bool Viewer::actOnTool(Action action) {
       if (!scenes_.empty()) loadScene(scenes_.choose(scenes_.next()));
       return true;
     case Action::record: toggleRecording(); return true;
-    default: return false;
+    default: return actOnScan(action);
   }
+}
+
+// Turn a scan, read it in another unit, or save it.
+bool Viewer::actOnScan(Action action) {
+  constexpr Action actions[] = {Action::turnX, Action::turnY, Action::turnZ, Action::scanUnit, Action::saveScene};
+  if (std::find(std::begin(actions), std::end(actions), action) == std::end(actions)) return false;
+  if (!isScan(scenePath_)) return notify("Available only for a scan: drop a mesh on the window."), true;
+  ScanPlacement placement = placement_;
+  if (action == Action::saveScene) {
+    const std::string stem = std::filesystem::path(scenePath_).stem().string();
+    const std::string path = freePath(folder_, stem.c_str(), {".toml"}) + ".toml";
+    writeFile(path, sceneText_);
+    notify(path + ": saved. enamel-viewer " + path + " opens it.");
+    return true;
+  }
+  if (action == Action::scanUnit) {
+    constexpr const char* units[] = {"", "mm", "m", "um"};
+    const auto* const now = std::find(std::begin(units), std::end(units), placement.unit);
+    placement.unit = units[(now - std::begin(units) + 1) % 4];
+  } else {
+    const int axis = static_cast<int>(action) - static_cast<int>(Action::turnX);
+    placement.turn = Eigen::AngleAxisd(1.5707963267948966, Vec3::Unit(axis)).toRotationMatrix() * placement.turn;
+  }
+  if (!loadScene(scenePath_, placement)) placement_.unit = placement.unit;  // the next one may fit
+  return true;
 }
 
 bool Viewer::actOnTime(Action action) {
@@ -146,27 +174,30 @@ void Viewer::actOnView(Action action) {
       overlay_.sound = !overlay_.sound;
       return notify(overlay_.sound ? "Sound of the bur is on." : "Sound of the bur is off.");
     case Action::clip: wantsClip_ = !wantsClip_; break;
-    case Action::camera1:
-    case Action::camera2:
-    case Action::camera3:
-    case Action::camera4:
-      return camera_.select(static_cast<std::size_t>(action) - static_cast<std::size_t>(Action::camera1));
-    case Action::follow: return camera_.toggleFollowing(now_);
-    case Action::nextCamera: return camera_.selectNext();
-    case Action::previousCamera: return camera_.selectPrevious();
+    case Action::cameraField:
+    case Action::cameraDevice:
+    case Action::cameraSide:
+    case Action::cameraTop: return camera_.select(static_cast<int>(action) - static_cast<int>(Action::cameraField));
+    case Action::follow: return camera_.toggleFollowing();
+    case Action::nextCamera: return camera_.selectBy(1);
+    case Action::previousCamera: return camera_.selectBy(-1);
     case Action::help: overlay_.help = !overlay_.help; break;
     case Action::panels: overlay_.panels = !overlay_.panels; break;
     case Action::timing: overlay_.timing = !overlay_.timing; break;
     case Action::charts: overlay_.charts = !overlay_.charts; break;
     case Action::fullScreen: fullScreen_ = !fullScreen_; break;
     case Action::screenshot: pictures_.emplace_back(); break;
-    case Action::cancel:
-      if (!overlay_.help) notify("Ctrl+Q ends the viewer.");
-      overlay_.help = false;
-      break;
+    case Action::cancel: return closeTop();
     case Action::quit: end_ = true; break;
     default: break;  // for recordings only
   }
+}
+
+// Close what was opened last over the picture.
+void Viewer::closeTop() {
+  for (bool* const open : {&overlay_.help, &overlay_.list, &overlay_.timing, &fullScreen_})
+    if (std::exchange(*open, false)) return;
+  notify("Ctrl+Q ends the viewer.");
 }
 
 void Viewer::select(RendererSlot slot) {
@@ -192,7 +223,7 @@ void Viewer::toggleSplit() {
   comparison_.clear();
   if (split_) {
     camera_.keep();
-    camera_.select(3);
+    camera_.select(0);
     if (!right_.view) right_.view.emplace(canvas_.right(), canvas_.aboveRight());
     if (renderers_.right == renderers_.selected) renderers_.right = renderers_.before;
   } else {
@@ -226,7 +257,7 @@ void Viewer::startTour() {
 void Viewer::endTour(bool skipped) {
   motion_.endTour();
   if (skipped) act(Action::home);
-  notify("You now control the hand: drag it, or press with the wheel. V: one tool.");
+  notify("You now control the hand: drag the tool, or press at the left. V: one tool.");
 }
 
 void Viewer::setSlowdown(int factor) {
@@ -262,7 +293,6 @@ void Viewer::toggleRecording() {
   std::string path;
   if (!recording_.recorder) {
     if (split_) return notify("The split screen cannot be recorded: V shows one tool.");
-    if (isScan(scenePath_)) return notify("A dropped scan cannot be recorded: open a scene file that names it.");
     const RemovedVolume& removed = left_.frame.drilled.removed;
     if (scene_.bur && std::any_of(removed.begin(), removed.end(), [](double volume) { return volume > 0.0; }))
       return notify("A recording needs teeth without cuts: undo them with Ctrl+Z or Backspace.");
@@ -299,6 +329,13 @@ void Viewer::pressBy(double newtons) {
   sendHand(RunnerCommand::Kind::handBy, -newtons * normal.cwiseQuotient(stiffnessOf(overlay_.grip)));
 }
 
+void Viewer::pressWith(double newtons) {
+  takeHand();
+  const Contact& nearest = left_.frame.record.nearest;
+  const Vec3 surface = left_.frame.record.pose.position - nearest.gap * nearest.normal;
+  sendHand(RunnerCommand::Kind::handTo, surface - newtons * nearest.normal.cwiseQuotient(stiffnessOf(overlay_.grip)));
+}
+
 void Viewer::spin(bool on) {
   if (isRefused(Source::live)) return;
   if (!scene_.bur) {
@@ -325,10 +362,30 @@ void Viewer::cutOpen() {
 
 void Viewer::seek(double share) { player_->seek(share * static_cast<double>(player_->size() - 1) + 0.5); }
 
+// Return whether a dropped file can be shown by another viewer. If not, notify the person.
+bool Viewer::canOpen(const std::string& path) {
+  try {
+    if (isRecording(path))
+      (void)Player(path);
+    else
+      (void)parseScene(isScan(path) ? sceneOfScan(path).text : readFile(path), path);
+    return true;
+  } catch (const Error& error) {
+    notify(error.what());
+    return false;
+  }
+}
+
 void Viewer::drop(const std::vector<std::string>& paths) {
-  if (isRefused(Source::live)) return;
+  if (live_) return notify("Not available while a device is connected.");
   for (const std::string& path : paths)
-    if (loadScene(path)) return scenes_.add(path);
+    if (player_ || isRecording(path)) {
+      if (!canOpen(path)) continue;
+      open_ = path;
+      return;
+    } else if (loadScene(path)) {
+      return scenes_.add(path);
+    }
 }
 
 std::vector<std::string> Viewer::takePictures() {

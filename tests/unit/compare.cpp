@@ -1,4 +1,4 @@
-// The comparison of the split screen: presses, depths and ratios, with both tools under one hand.
+// The comparison of the split screen: presses and depths, with both tools under one hand.
 #include "compare.hpp"
 
 #include <cstring>
@@ -53,47 +53,49 @@ bool isSame(const Hand& a, const Hand& b) {
 
 }  // namespace
 
-TEST_CASE("a ratio is of the deepest points of one press, and kept until the next one", "[compare]") {
+TEST_CASE("the deepest points are those of one press, and kept until the next one", "[compare]") {
   Comparison both;
-  CHECK_FALSE(both.ratio());
   addFor(both, kOut, 500);
-  CHECK_FALSE(both.ratio());
+  CHECK(both.deepest(1) == 0.0);
   addFor(both, pairAt(1e-5, 5.0, 1e-3, 4.0), 10);
   addFor(both, pairAt(4e-5, 8.0, 2e-3, 12.0), 10);
   addFor(both, pairAt(1e-5, 5.0, 1e-3, 4.0), 10);
-  REQUIRE(both.ratio());
-  CHECK(both.ratio()->deeper == 1);
-  CHECK(both.ratio()->times == Approx(50.0));
-  CHECK_FALSE(both.ratio()->atLeast);
+  CHECK(both.deepest(0) == 4e-5);
+  CHECK(both.deepest(1) == 2e-3);
   CHECK(both.strongest(0) == 8.0);
   CHECK(both.strongest(1) == 12.0);
   // It bounces out and in again: still the same press.
   addFor(both, kOut, Comparison::kApart - 1);
   addFor(both, pairAt(5e-5, 8.0, 1e-3, 4.0), 10);
-  CHECK(both.ratio()->times == Approx(40.0));
-  // Out for long, the press is kept. The next touch begins a new one, here with the left tool deeper.
+  CHECK(both.deepest(0) == 5e-5);
+  CHECK(both.deepest(1) == 2e-3);
+  // Out for long, the press is kept. The next touch begins a new one.
   addFor(both, kOut, 5 * Comparison::kApart);
-  CHECK(both.ratio()->times == Approx(40.0));
+  CHECK(both.deepest(1) == 2e-3);
   addFor(both, pairAt(3e-3, 8.0, 1e-3, 4.0), 2);
-  CHECK(both.ratio()->deeper == 0);
-  CHECK(both.ratio()->times == Approx(3.0));
+  CHECK(both.deepest(0) == 3e-3);
+  CHECK(both.deepest(1) == 1e-3);
   CHECK(both.curve(0).size() == 2);
 }
 
-TEST_CASE("no ratio of a tool that is not pressed; one that does not sink gives a bound", "[compare]") {
-  Comparison both;
-  addFor(both, pairAt(-1e-3, 0.0, 2e-3, 12.0), 10);
-  CHECK_FALSE(both.ratio());  // the left tool is in the air
-  addFor(both, pairAt(-1e-7, 12.0, 2e-3, 12.0), 10);
-  REQUIRE(both.ratio());
-  CHECK(both.ratio()->atLeast);
-  CHECK(both.ratio()->times == Approx(2e-3 / Comparison::kLeast));
-  both.clear();
-  addFor(both, pairAt(1e-6, 12.0, 1.5e-6, 12.0), 10);
-  CHECK_FALSE(both.ratio());  // both depths are too small
-  both.clear();
-  addFor(both, pairAt(1e-4, 0.9, 2e-3, 12.0), 10);
-  CHECK_FALSE(both.ratio());
+TEST_CASE("a ratio needs two measured pushes; a depth below the least gives a bound", "[compare]") {
+  TestPush left, right;
+  left.made = right.made = true;
+  left.verdict = FirstImpactVerdict::measured;
+  left.deepest = 4e-5;
+  right.deepest = 2e-3;
+  CHECK_FALSE(ratioOf(left, right));
+  right.verdict = FirstImpactVerdict::measured;
+  REQUIRE(ratioOf(left, right));
+  CHECK(ratioOf(left, right)->deeper == 1);
+  CHECK(ratioOf(right, left)->deeper == 0);
+  CHECK(ratioOf(left, right)->times == Approx(50.0));
+  CHECK_FALSE(ratioOf(left, right)->atLeast);
+  left.deepest = 1e-7;
+  CHECK(ratioOf(left, right)->atLeast);
+  CHECK(ratioOf(left, right)->times == Approx(2e-3 / DepthRatio::kLeast));
+  left.made = false;
+  CHECK_FALSE(ratioOf(left, right));
 }
 
 TEST_CASE("curves keep a long press whole in a bounded number of points", "[compare]") {
@@ -157,9 +159,7 @@ TEST_CASE("two tools are under one hand, tick for tick, and each has the force o
   }
   CHECK(mean[0] == Approx(8.0).epsilon(0.03));
   CHECK(mean[1] == Approx(6000.0 * sunk).epsilon(0.03));
-  REQUIRE(both.ratio());
-  CHECK(both.ratio()->deeper == 1);
-  CHECK(both.ratio()->times > 10.0);
+  CHECK(both.deepest(1) > 10.0 * both.deepest(0));
 }
 
 TEST_CASE("the left tool of a pair moves as it does alone where the other one does not hold the hand back",
@@ -194,6 +194,10 @@ TEST_CASE("a test push steps on both in the same tick, also where one needs long
   CHECK(left.verdict == FirstImpactVerdict::measured);
   CHECK(right.verdict == FirstImpactVerdict::measured);
   CHECK(left.stiffness > 20.0 * right.stiffness);
+  CHECK(right.deepest >= right.depth);  // below the surface, not below the rest under the preload
+  REQUIRE(ratioOf(left, right));
+  CHECK(ratioOf(left, right)->deeper == 1);
+  CHECK(ratioOf(left, right)->times > 50.0);
   // Then one hand moves both again.
   send(*runner, RunnerCommand::Kind::handBy, {0.001, 0.0, 0.0});
   runner->period();
@@ -235,13 +239,11 @@ TEST_CASE("the tour ends where it begins, at a hand's speed, and shows what it s
     }
     for (PairSample sample; runner->nextPair(sample);) both.add(sample);
   }
-  // It presses in every part, and slides in the second one only.
-  for (const double depth : deepest) CHECK(depth > 1e-3);
-  CHECK(high[0].x() - low[0].x() < 1e-3);
+  // The test push is in the first part. The hand presses in the others, and slides in the second one.
+  CHECK(deepest[0] < 1e-6);
+  CHECK(deepest[1] > 1e-3);
+  CHECK(deepest[2] > 1e-3);
   CHECK(high[1].x() - low[1].x() > 0.015);
-  REQUIRE(both.ratio());
-  CHECK(both.ratio()->deeper == 1);
-  CHECK(both.ratio()->times > 20.0);
   CHECK(runner->frame().record.nearest.gap > 1e-3);
 }
 

@@ -72,6 +72,46 @@ TEST_CASE("the tool stops at the wall, the hand goes on, and the force is the ha
   }
 }
 
+TEST_CASE("read-outs are smooth where the force alternates, keep its sign, and show a stop at once", "[experiment]") {
+  ReadoutFilter filter;
+  TickRecord record;
+  record.nearest.normal = Vec3::UnitZ();
+  Readout last;
+  for (int i = 0; i < 1500; ++i) {
+    record.time = 1e-3 * i;
+    const bool early = i < 750;
+    record.rendered[2] = i % 2 == 0 ? (early ? 6.0 : -6.0) : (early ? -4.0 : 4.0);  // N: a mean of 1, then of -1
+    record.handWrench[2] = early ? -1.0 : 1.0;
+    record.nearest.gap = i % 2 == 0 ? -2e-6 : 0.0;
+    last = filter.add(record);
+    if (i % 750 < 700) continue;
+    REQUIRE(last.force.z() == Approx(early ? 1.0 : -1.0).margin(0.06));  // 1 % of the range a tick
+    REQUIRE(last.hand == Approx(early ? 1.0 : -1.0).margin(2e-3));
+    REQUIRE(last.depth == Approx(1e-6).margin(2e-8));
+  }
+  record.time += 1e-3;
+  record.rendered.setZero();
+  record.guard = GuardReason::oscillation;
+  CHECK(filter.add(record).force.norm() == 0.0);
+  // A restart of time begins with the value of its first tick.
+  record.guard = GuardReason::none;
+  record.time = 0.0;
+  record.rendered[2] = 5.0;
+  CHECK(filter.add(record).force.z() == 5.0);
+  // An experiment fills them in: under position control the ticks alternate, the read-out does not.
+  const auto e = experiment(shipped("flat-wall.toml"), RendererSlot::positionControl);
+  e->moveHandTo({0.0, 0.0, -0.010});
+  run(*e, 2000);
+  double low = 1e9, high = -1e9;
+  for (int i = 0; i < 300; ++i) {
+    e->tick();
+    low = std::min(low, e->frame().readout.force.z());
+    high = std::max(high, e->frame().readout.force.z());
+  }
+  CHECK(high - low < 0.5);
+  CHECK(high == Approx(4.0).margin(0.3));
+}
+
 TEST_CASE("the hand's force is bounded, and it does not wind up", "[experiment]") {
   const auto e = experiment(shipped("flat-wall.toml"), RendererSlot::impedance);
   for (int i = 0; i < 2000; ++i) {

@@ -18,7 +18,7 @@ namespace enamel::test_replay_page {
 
 namespace {
 
-constexpr int kTicks = 1500;
+constexpr int kTicks = 1500, kFewTicks = 700;
 constexpr int kEvery = 17;  // ticks between two pictures
 
 const std::string kScene = R"(
@@ -55,7 +55,7 @@ struct Run {
 };
 
 // A hand presses with 2 N; the bur spins from 0.2 s to 1.2 s.
-Run record(const test::TemporaryFolder& folder, const std::string& path) {
+Run record(const test::TemporaryFolder& folder, const std::string& path, int ticks = kTicks) {
   writeBlock(folder / "block.obj");
   RecordingHeader header;
   header.deviceFile = ENAMEL_SOURCE_DIR "/data/devices/tau-nominal.toml";
@@ -80,7 +80,7 @@ Run record(const test::TemporaryFolder& folder, const std::string& path) {
   Recorder recorder(path, header, loop.hapticTick());
   Run run;
   TickRecord tick;
-  for (int i = 0; i < kTicks; ++i) {
+  for (int i = 0; i < ticks; ++i) {
     drill.spin(i >= 200 && i < 1200);
     const auto load = [&](double, const Pose& at, const Vec6& twist) {
       Vec6 wrench = guidingWrench(at, twist, header.start, Vec3::UnitZ());
@@ -94,7 +94,7 @@ Run record(const test::TemporaryFolder& folder, const std::string& path) {
     run.forces.push_back(wrenchOf(k, loop.command().effort - k.gravity).head<3>().norm());
     for (const double volume : drill.removed()) run.removed += volume;
   }
-  REQUIRE(recorder.close().ticks == kTicks);
+  REQUIRE(recorder.close().ticks == static_cast<std::uint64_t>(ticks));
   return run;
 }
 
@@ -140,6 +140,10 @@ TEST_CASE("what a bur has cut while it was recorded is cut again, and a browser 
       test::run("replay '" + recording + "' --renderer impedance --html '" + (folder / "two.html") + "'");
   INFO(beside.output);
   CHECK_THAT(beside.output, test::ContainsSubstring("page: ") && test::ContainsSubstring(" ticks differ"));
+  const std::string shorter = folder / "short.rec";
+  record(folder, shorter, kFewTicks);
+  REQUIRE(test::run("replay '" + recording + "' --beside '" + shorter + "' --html '" + (folder / "ends.html") + "'")
+              .status == 0);
 
   if (std::system("command -v chromium > /dev/null 2>&1") != 0) return test::skipTest("chromium is not installed");
   const auto open = [&](const std::string& file, const std::string& at) {
@@ -168,6 +172,11 @@ TEST_CASE("what a bur has cut while it was recorded is cut again, and a browser 
   for (int i = 0; i < 30 && !(time > 0.0); ++i) time = std::stod(attribute(open(page, ""), "time"));
   CHECK(time > 0.0);
   CHECK_THAT(attribute(open(folder / "two.html", "#t=0.8"), "forces"), test::ContainsSubstring(" "));
+  // After the end of the shorter recording its side has no values.
+  const std::string both = open(folder / "ends.html", "#t=0.6"), after = open(folder / "ends.html", "#t=0.8");
+  CHECK_THAT(attribute(both, "forces"), !test::ContainsSubstring("NaN"));
+  CHECK_THAT(attribute(after, "forces"), test::ContainsSubstring(" NaN"));
+  CHECK_THAT(after, test::ContainsSubstring("ended at 0.70 s"));
 }
 
 }  // namespace enamel::test_replay_page

@@ -4,6 +4,7 @@
 
 #include <GLFW/glfw3.h>
 
+#include <glm/gtc/matrix_access.hpp>
 #include <set>
 #include <string>
 #include <vector>
@@ -26,6 +27,7 @@ class Recorder final : public InputTarget {
   Camera& camera() override { return view; }
   const Layout& layout() const override { return place; }
   glm::dvec3 tool() const override { return {3.0, -2.0, 8.0}; }
+  glm::dvec3 axis() const override { return {0.0, 0.0, 1.0}; }
   glm::dvec3 normal() const override { return wall; }
 
   std::vector<Action> actions;
@@ -75,7 +77,7 @@ TEST_CASE("a left drag moves the hand as far as the cursor goes at the tool", "[
   test::Random random(611);
   for (int i = 0; i < 100; ++i) {
     Recorder recorder;
-    recorder.view = cameraPresets()[static_cast<std::size_t>(i % 4)].camera;
+    recorder.view = cameraPresets()[static_cast<std::size_t>(i % 3)].camera;
     const Camera before = recorder.view;
     Input input(recorder);
     const glm::dvec2 corner(recorder.place.scene.x, recorder.place.scene.y);
@@ -149,13 +151,13 @@ TEST_CASE("from 640x480 to 4K every part is inside of the window, and none stand
                                 {3840, 2160},
                                 {480, 900}})
     for (const float scale : {1.0f, 1.5f, 2.0f, 3.0f})
-      for (const int what : {0, 1, 2, 3}) {  // a run, a recording, one without panels, the split screen
+      for (const int what : {0, 1, 2, 3, 4}) {  // a run, a recording, one without panels, the split screen, its tour
         if (static_cast<float>(size.x) < 480 * scale || static_cast<float>(size.y) < 480 * scale) continue;
         INFO(size.x << "x" << size.y << " " << scale << " " << what);
-        const Layout l =
-            what == 3 ? layOutSplit(size, scale, true) : layOut(size, scale, what != 2, what != 2, what == 1 ? 0 : 5);
+        const Layout l = what >= 3 ? layOutSplit(size, scale, true, what == 4)
+                                   : layOut(size, scale, what != 2, what != 2, what == 1 ? 0 : 5);
         const Rect window{0, 0, static_cast<float>(size.x), static_cast<float>(size.y)};
-        const Rect* const parts[] = {&l.panel, &l.scene, &l.right, &l.charts, &l.gauge, &l.bar, &l.compare};
+        const Rect* const parts[] = {&l.panel, &l.scene, &l.right, &l.charts, &l.gauge, &l.bar, &l.compare, &l.tour};
         for (const Rect* a : parts) {
           CHECK(inside(*a, window));
           for (const Rect* b : parts)
@@ -163,7 +165,10 @@ TEST_CASE("from 640x480 to 4K every part is inside of the window, and none stand
         }
         CHECK(l.scene.width >= 230 * scale);
         CHECK(l.scene.height >= 100 * scale);
-        if (what != 3 && l.inset.width > 0) CHECK(inside(l.inset, l.scene));
+        if (what < 3 && l.inset.width > 0) CHECK(inside(l.inset, l.scene));
+        if (what >= 3)
+          for (const Rect* part : {&l.scene, &l.right, &l.compare, &l.tour})
+            if (l.inset.width > 0 && part->height > 0) CHECK(apart(l.inset, *part));
         for (const Rect& chart : l.chart)
           if (l.charts.width * l.charts.height > 0) CHECK(inside(chart, l.charts));
       }
@@ -178,7 +183,7 @@ TEST_CASE("zooming keeps what is under the cursor where it is", "[viewer]") {
   const glm::dvec3 point = unproject(before, size, cursor - corner, recorder.tool());
   input.cursor(cursor);
   for (const double notches : {3.0, -1.0, 200.0}) {  // the last one is limited by the smallest distance
-    input.wheel(notches, true);
+    input.wheel(notches, false);
     CHECK(glm::distance(corner + glm::dvec2(project(recorder.view, size, point)), cursor) < 1e-6);  // pixels
   }
   CHECK(recorder.view.distance == Approx(kNearest));
@@ -189,26 +194,34 @@ TEST_CASE("zooming keeps what is under the cursor where it is", "[viewer]") {
 TEST_CASE("a camera that follows is there after half a second, whatever the rate of pictures", "[viewer]") {
   for (const double passed : {1.0 / 60.0, 0.1}) {
     Camera camera = cameraPresets()[0].camera;
-    for (double time = 0.0; time < 0.6; time += passed) follow(camera, {5.0, 6.0, -7.0}, 120.0, passed);
+    for (double time = 0.0; time < 0.6; time += passed) follow(camera, {5.0, 6.0, -7.0}, passed);
     CHECK(glm::distance(camera.focus, glm::dvec3(5.0, 6.0, -7.0)) < 0.5);
-    CHECK(camera.distance == Approx(120.0).margin(5.0));
   }
   Camera still = cameraPresets()[0].camera;
-  follow(still, {5.0, 6.0, -7.0}, 120.0, 0.0);
+  follow(still, {5.0, 6.0, -7.0}, 0.0);
   CHECK(still.focus == cameraPresets()[0].camera.focus);
 }
 
-TEST_CASE("the right button turns the view, the middle one shifts it, and the hand stays", "[viewer]") {
+TEST_CASE("a drag beside the tool turns the view, the middle button shifts it, and the hand stays", "[viewer]") {
   Recorder recorder;
   Input input(recorder);
-  const Camera before = recorder.view;
-  input.cursor({600.0, 300.0});
-  input.button(GLFW_MOUSE_BUTTON_RIGHT, GLFW_PRESS);
+  const Rect& scene = recorder.place.scene;
+  const glm::dvec2 tip =
+      glm::dvec2(scene.x, scene.y) + glm::dvec2(project(recorder.view, {scene.width, scene.height}, recorder.tool()));
+  for (const int button : {GLFW_MOUSE_BUTTON_LEFT, GLFW_MOUSE_BUTTON_RIGHT}) {
+    const Camera before = recorder.view;
+    // The right button turns it anywhere, the left one away from the tool.
+    const glm::dvec2 from = button == GLFW_MOUSE_BUTTON_RIGHT ? tip : tip + glm::dvec2(60.0, 60.0);
+    input.cursor(from);
+    input.button(button, GLFW_PRESS);
+    input.cursor(from + glm::dvec2(60.0, 30.0));
+    input.button(button, GLFW_RELEASE);
+    CHECK(recorder.view.azimuth < before.azimuth);  // the scene follows the mouse
+    CHECK(recorder.view.elevation > before.elevation);
+    CHECK(recorder.view.focus == before.focus);
+    CHECK(recorder.moves == 0);
+  }
   input.cursor({660.0, 330.0});
-  input.button(GLFW_MOUSE_BUTTON_RIGHT, GLFW_RELEASE);
-  CHECK(recorder.view.azimuth < before.azimuth);  // the scene follows the mouse
-  CHECK(recorder.view.elevation > before.elevation);
-  CHECK(recorder.view.focus == before.focus);
   const Camera turned = recorder.view;
   const Rect& area = recorder.place.scene;
   const glm::dvec2 size(area.width, area.height);
@@ -222,6 +235,31 @@ TEST_CASE("the right button turns the view, the middle one shifts it, and the ha
   CHECK(glm::distance(shift, glm::dvec2(30.0, -20.0)) < 1e-6);
   CHECK(recorder.moves == 0);
   CHECK(recorder.pressed == 0.0);
+}
+
+TEST_CASE("the field shows the tip of the tool and what is nearest, large; a drag meets the tool along its handle",
+          "[viewer]") {
+  for (const char* name : {"flat-wall", "jaw", "cusps", "corner", "box", "oblique-wall"}) {
+    INFO(name);
+    const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + std::string(name) + ".toml");
+    const Camera camera = fieldCamera(scene);
+    const glm::dvec3 tip = millimetres(scene.start), axis(0.0, 0.0, 1.0);
+    for (const glm::dvec2 size : {glm::dvec2(660.0, 720.0), {1300.0, 1080.0}, {552.0, 600.0}}) {
+      const auto at = [&](const glm::dvec3& point) { return glm::dvec2(project(camera, size, point)); };
+      // The tip is in the upper middle, away from the numbers.
+      CHECK(std::abs(at(tip).x / size.x - 0.5) < 0.25);
+      CHECK(at(tip).y > 0.12 * size.y);
+      CHECK(at(tip).y < 0.6 * size.y);
+      // A tooth of 10 mm has more than a fifth of the height.
+      const glm::dvec3 up = glm::dvec3(glm::row(camera.view(), 1));
+      CHECK(glm::distance(at(tip), at(tip + 10.0 * up)) > 0.2 * size.y);
+      for (const double along : {0.0, 10.0, 20.0}) CHECK(isOnTool(camera, size, at(tip + along * axis), tip, axis));
+      const glm::dvec3 right = glm::dvec3(glm::row(camera.view(), 0));
+      CHECK_FALSE(isOnTool(camera, size, at(tip + 12.0 * right), tip, axis));
+    }
+    CHECK(camera.distance < kDeviceFrom);
+  }
+  for (const CameraPreset& preset : cameraPresets()) CHECK(preset.camera.distance > kDeviceFrom);
 }
 
 TEST_CASE("a click on the time bar and a drag from it seek, whatever the button was", "[viewer]") {
@@ -250,13 +288,13 @@ TEST_CASE("a click on the time bar and a drag from it seek, whatever the button 
     CHECK(recorder.moves == 0);
     CHECK(recorder.view.azimuth == before.azimuth);
   }
-  // Beside the bar, or without one, the hand moves.
+  // Beside the bar, or without one, nothing seeks; Shift moves the hand anywhere.
   for (const int renderers : {0, 4}) {
     recorder.place = layOut({1280, 720}, 1.0f, true, true, renderers);
     recorder.shares.clear();
     Input input(recorder);
     input.cursor(glm::dvec2(bar.x + 50.0, renderers == 0 ? bar.y - 5.0 : middle));
-    input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS);
+    input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS, GLFW_MOD_SHIFT);
     input.cursor(glm::dvec2(bar.x + 90.0, middle));
     CHECK(recorder.shares.empty());
   }
@@ -282,14 +320,14 @@ TEST_CASE("the bur spins as long as the pedal's key is down", "[viewer]") {
   CHECK(recorder.actions == std::vector<Action>{Action::undo, Action::cutAway});
 }
 
-TEST_CASE("the wheel presses, with Ctrl it zooms; held keys go with time", "[viewer]") {
+TEST_CASE("the wheel zooms, with Ctrl it presses; held keys go with time", "[viewer]") {
   Recorder recorder;
   Input input(recorder);
   const double distance = recorder.view.distance;
-  input.wheel(2.0, false);
+  input.wheel(2.0, true);
   CHECK(recorder.pressed == Approx(0.8));  // N
   CHECK(recorder.view.distance == distance);
-  input.wheel(1.0, true);
+  input.wheel(1.0, false);
   CHECK(recorder.view.distance == Approx(0.9 * distance));
   CHECK(recorder.pressed == Approx(0.8));
 

@@ -58,18 +58,18 @@ class Person {
     does("xdotool click 1");
     viewer_.untilDrawn(2);
   }
-  // Turn the wheel by notches into the wall; release() turns it back.
+  // Turn the wheel with Ctrl by notches into the wall; release() turns it back.
   void press(int notches) { turn(4, notches); }
   void release(int notches) { turn(5, notches); }
-  // Drag with the button down, in eight steps.
-  void drag(int x, int y) {
+  // Drag with a button down, in steps.
+  void drag(int x, int y, int button = 1, int steps = 8) {
     const std::string step = " mousemove_relative -- " + std::to_string(x) + " " + std::to_string(y);
-    does("xdotool mousedown 1");
-    for (int i = 0; i < 8; ++i) {
+    does("xdotool mousedown " + std::to_string(button));
+    for (int i = 0; i < steps; ++i) {
       does("xdotool" + step);
       viewer_.untilDrawn(1);
     }
-    does("xdotool mouseup 1");
+    does("xdotool mouseup " + std::to_string(button));
     viewer_.untilDrawn(1);
   }
   void drop(const std::string& file) {
@@ -88,7 +88,8 @@ class Person {
 
  private:
   void turn(int button, int notches) {
-    does("xdotool click --repeat " + std::to_string(notches) + " --delay 20 " + std::to_string(button));
+    does("xdotool keydown ctrl click --repeat " + std::to_string(notches) + " --delay 20 " + std::to_string(button) +
+         " keyup ctrl");
     viewer_.untilDrawn(1);
   }
 
@@ -129,8 +130,8 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
 
   person.at(560, 300);
   person.press(15);  // 6 N
+  const json before = viewer.untilShown("renderers", "position-control").at("controls");
   person.key({"Tab"});
-  viewer.untilShown("renderers", "position-control");
   const json controls = viewer.untilShown("renderers", "impedance").at("controls");
 
   // Type a valid and an invalid stiffness.
@@ -146,14 +147,22 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
   typeStiffness("99999");
   viewer.untilShown("notices", "stiffness is 99999, must be in 200 to 20000 N/m");
 
-  // With delay, it rings.
+  // With delay, it rings. The control remains under the mouse, although the settings of the renderer change.
   person.at(controls.at("3"));
   viewer.untilShown("tips", "Delay between a measurement and the torque that answers it");
   person.click();
-  viewer.until("a delay", [](const json& report) { return report.at("shown").at("delay [ticks]") == 3; });
+  const json late =
+      viewer.until("a delay", [](const json& report) { return report.at("shown").at("delay [ticks]") == 3; });
+  CHECK(late.at("controls").at("3") == controls.at("3"));
+  CHECK(before.at("3") == controls.at("3"));
+  person.key({"Tab", "Tab"});
   person.at(560, 300);
   person.press(15);
   viewer.untilShown("badges", "unstable");
+  // A stop by the guard is in the read-outs, not the force of before.
+  const json stopped =
+      viewer.until("a stop", [](const json& report) { return isAmong(report.at("readouts"), "stopped by the guard"); });
+  CHECK(isAmong(stopped.at("readouts"), "0.0 N: stopped by the guard"));
   viewer.until("a press", [](const json& report) { return report.at("shown").at("deepest [m]") > 0.8e-3; });
 
   // Backspace also resets the settings.
@@ -182,7 +191,7 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
   person.drop(folder / "talk.txt");
   viewer.untilShown("notices", "talk.txt");
   person.drop(data + "meshes/molar.ply");
-  viewer.untilShown("notices", "molar.ply: 11.0 x 10.0 x");
+  viewer.untilShown("notices", "molar.ply: 11.0 x 10.0 x 9.4 mm, unit mm");
   viewer.untilShown("scenes", "molar");
 
   person.does("xdotool windowsize $window 640 480");
@@ -194,13 +203,95 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
   viewer.untilShown("notices", "Ctrl+Q ends the viewer");  // Esc does not end it
   person.key({"ctrl+p"});
   viewer.untilSaid("./enamel-001.png\n");
-  viewer.until("no contact", [](const json& report) { return !report.at("contact").get<bool>(); });
+  // It may be closed in contact.
+  person.press(40);
+  viewer.until("contact", [](const json& report) { return report.at("contact").get<bool>(); });
   const json report = person.quits();
   WARN("it took " << report.at("seconds") << " s, " << report.at("frames_per_second") << " pictures a second");
   CHECK(person.status() == 0);
   CHECK(viewer.said() == "./enamel-001.png\n");  // without errors
   CHECK(report.at("opengl_errors") == 0);
   CHECK(test::Pixels(folder / "enamel-001.png").size() == glm::ivec2(640, 480));
+}
+
+TEST_CASE("a person turns, shifts and zooms the view, drags the tool, presses with the slider, and closes what is open",
+          "[viewer]") {
+  if (!havePerson()) return test::skipTest("Xvfb or xdotool is missing");
+  const test::TemporaryFolder folder;
+  leaveMark(folder);
+  Person person(folder, "--size 800x600");
+  test::RunningViewer& viewer = person.viewer();
+  const json first = viewer.report();
+  const auto differs = [](const json& a, const json& b, const char* what) { return a.at(what) != b.at(what); };
+  const auto untilMoved = [&](const char* what, const json& from, const char* name) {
+    return viewer.until(what,
+                        [&](const json& report) { return differs(report.at("camera"), from.at("camera"), name); });
+  };
+  // The background: left drag turns, middle drag shifts, the wheel zooms; the hand stays.
+  person.at(330, 150);
+  person.drag(24, 16, 1, 2);
+  const json turned = untilMoved("a turned view", first, "azimuth");
+  CHECK_FALSE(differs(turned.at("camera"), first.at("camera"), "distance"));
+  person.at(330, 150);
+  person.drag(16, 8, 2, 2);
+  const json shifted = untilMoved("a shifted view", turned, "focus");
+  CHECK_FALSE(differs(shifted.at("camera"), turned.at("camera"), "azimuth"));
+  person.does("xdotool click --repeat 2 --delay 20 4");
+  const json near = untilMoved("a nearer view", shifted, "distance");
+  CHECK(near.at("camera").at("distance") < shifted.at("camera").at("distance"));
+  CHECK(near.at("hand") == first.at("hand"));
+  // The tool: a drag moves the hand, and the view stays.
+  person.key({"1"});
+  const json field = viewer.report();
+  CHECK(field.at("camera") == first.at("camera"));
+  person.at(field.at("tool"));
+  person.drag(8, -8, 1, 2);
+  const json moved = viewer.until("a moved hand", [&](const json& report) { return differs(report, first, "hand"); });
+  CHECK(moved.at("camera") == first.at("camera"));
+  person.key({"h"});
+  // The slider presses; the read-outs are smooth until a pause.
+  person.at(field.at("controls").at("press"));
+  person.click();
+  const json pressed = viewer.until("contact", [](const json& report) { return report.at("contact").get<bool>(); });
+  CHECK(isAmong(pressed.at("readouts"), "smoothed over 0.1 s"));
+  person.key({"space"});
+  viewer.until("single ticks", [](const json& report) { return isAmong(report.at("readouts"), "in this tick"); });
+  person.key({"space"});
+  // Escape closes each, the last one first.
+  const auto untilOpen = [&](const json& what) {
+    viewer.until("open: " + what.dump(), [&](const json& report) { return report.at("open") == what; });
+  };
+  person.key({"F3"});
+  untilOpen({"timing"});
+  person.at(field.at("controls").at("scene"));
+  person.click();
+  untilOpen({"list", "timing"});
+  person.key({"F1"});
+  untilOpen({"help", "list", "timing"});
+  for (const json& left : {json{"list", "timing"}, json{"timing"}, json::array()}) {
+    person.key({"Escape"});
+    untilOpen(left);
+  }
+  CHECK_FALSE(isAmong(viewer.report().at("shown").at("notices"), "Ctrl+Q"));
+  person.at(field.at("controls").at("press"));
+  viewer.untilShown("tips", "Force of the hand into the nearest wall, N");
+  // A scan in three actions: drop, press, save. It can be turned.
+  person.key({"x"});
+  viewer.untilShown("notices", "Available only for a scan");
+  person.drop(ENAMEL_SOURCE_DIR "/data/meshes/molar.ply");
+  const json scan = viewer.untilShown("notices", "molar.ply: 11.0 x 10.0 x 9.4 mm, unit mm, guessed from the size.");
+  CHECK_FALSE(differs(scan.at("camera"), field.at("camera"), "azimuth"));
+  person.at(scan.at("controls").at("press"));
+  person.click();
+  viewer.until("contact", [](const json& report) { return report.at("contact").get<bool>(); });
+  person.key({"x"});
+  viewer.untilShown("notices", "molar.ply: 11.0 x 9.4 x 10.0 mm");
+  person.key({"ctrl+s"});
+  viewer.untilShown("notices", "./molar-001.toml: saved.");
+  CHECK(std::filesystem::exists(folder / "molar-001.toml"));
+  person.quits();
+  CHECK(person.status() == 0);
+  CHECK(viewer.said().empty());
 }
 
 TEST_CASE("a person presses with a plugin, records it, makes a clip and plays the recording", "[viewer]") {
@@ -267,6 +358,13 @@ TEST_CASE("a person presses with a plugin, records it, makes a clip and plays th
     return report.at("shown").at("deepest [m]") > 0.7e-3;
   });
   person.key({"ctrl+Left", "Right", "Right", "F3"});
+  // A dropped scene replaces the recording, and a dropped recording the scene.
+  person.drop(ENAMEL_SOURCE_DIR "/data/scenes/box.toml");
+  person.viewer().until("the scene", [](const json& report) { return report.at("shown").at("scenes") == json{"box"}; });
+  person.drop(folder / "enamel-001.rec");
+  person.viewer().until("the recording",
+                        [](const json& report) { return report.at("shown").at("scenes") == json{"flat wall"}; });
+  person.key({"ctrl+Right"});
   const json played = person.quits();
   CHECK(person.status() == 0);
   CHECK(person.viewer().said().empty());

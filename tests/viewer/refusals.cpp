@@ -186,9 +186,10 @@ TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
                  "cannot open a window");
   for (const char* renderer : {"position-control", "impedance"}) {
     test::writeFile(folder / "close.txt", "0 hand 0 0 -20 over 0.3\n2.5 quit\n60 end\n");
-    requireRefused(
-        test::viewer("--script '" + folder / "close.txt' --renderer " + renderer + test::kByPictures, test::kXvfb), 1,
-        "the window was closed while the tool was in contact");
+    const auto closed =
+        test::viewer("--script '" + folder / "close.txt' --renderer " + renderer + test::kByPictures, test::kXvfb);
+    CHECK(closed.status == 0);
+    CHECK(closed.output.empty());
   }
   test::writeFile(folder / "close.txt", "0.5 quit\n60 end\n");
   CHECK(test::viewer("--script '" + folder / "close.txt'" + test::kByPictures, test::kXvfb).status == 0);

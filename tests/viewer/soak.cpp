@@ -34,10 +34,10 @@ std::string randomScript(std::uint64_t seed, double seconds) {
                                  "step",
                                  "faster",
                                  "slower",
-                                 "camera-user",
+                                 "camera-device",
                                  "camera-side",
                                  "camera-top",
-                                 "camera-close",
+                                 "camera-field",
                                  "next-camera",
                                  "previous-camera",
                                  "help",
@@ -72,7 +72,7 @@ std::string randomScript(std::uint64_t seed, double seconds) {
         if (on) script << name << '\n' << time << ' ';
       switches.clear();
       script << "slow 1\n" << time << " renderer impedance\n" << time << " scene " << scene << '\n';
-      script << time << " camera-user\n" << time << " size 1280x720\n";
+      script << time << " camera-device\n" << time << " size 1280x720\n";
       // In the wall, long enough to be drawn. The transparent tool has its own buffers of the last drawn size (15 MB
       // here), and none before it is first drawn.
       script << time << " hand 0 0 -30 over 0.2";

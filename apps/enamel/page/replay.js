@@ -242,21 +242,22 @@ class Side {
     }
     const c = m.contacts.subarray(6 * i, 6 * i + 6);
     this.arrow.object.visible = false;
-    if (isFinite(c[0]) && m.forces[i] > 0)
+    if (isFinite(c[0]) && m.forces[i] > 0 && t <= m.end)
       this.arrow.place(new THREE.Vector3(c[0], c[1], c[2]), new THREE.Vector3(c[3], c[4], c[5]).normalize(),
         1.2 * m.forces[i]);
   }
-  // Show the values at t: those of the last picture at or before t.
+  // Show the values at t: those of the last picture at or before t. After the end of a shorter recording there are none.
   show(t) {
     if (this.scene) this.move(t);
-    const k = before(this.data.times, t);
-    this.force = this.data.forces[k];
+    const k = before(this.data.times, t), ended = t > this.data.end;
+    this.force = ended ? NaN : this.data.forces[k];
     const depth = this.data.depths[k];
-    this.values.force.textContent = this.force.toFixed(2) + ' N';
-    this.values.depth.textContent = depth < 0.1 ? (1e3 * depth).toFixed(1) + ' \u00b5m' : depth.toFixed(2) + ' mm';
+    this.values.force.textContent = ended ? '\u2013' : this.force.toFixed(2) + ' N';
+    this.values.depth.textContent = ended ? '\u2013'
+      : depth < 0.1 ? (1e3 * depth).toFixed(1) + ' \u00b5m' : depth.toFixed(2) + ' mm';
     this.volumes.forEach((value, l) => { value.textContent = this.data.removed[8 * k + l].toFixed(2) + ' mm\u00b3'; });
     const reason = this.data.guards[k];
-    this.guard.textContent = reason === 0 ? '' : 'guard: ' + this.data.reasons[reason];
+    this.guard.textContent = ended ? 'ended at ' + this.data.end.toFixed(2) + ' s' : reason === 0 ? '' : 'guard: ' + this.data.reasons[reason];
   }
 }
 

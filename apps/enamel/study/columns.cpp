@@ -10,6 +10,7 @@
 #include <map>
 
 #include "colours/renderers.hpp"
+#include "enamel/control/device_plant.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/render/hold.hpp"
