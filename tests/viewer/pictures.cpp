@@ -519,11 +519,11 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   CHECK(std::abs(mark("push", kBlue)) < 0.06);
   CHECK(mark("slide", kPurple) == Approx(12.0 / 6.4).margin(0.1));
   // The words agree with the picture, and both tours read the same.
-  const auto report = nlohmann::json::parse(test::readFile(folder / "report.json"));
-  REQUIRE(report.at("shown").at("ratios").size() == 1);
-  const std::string ratio = report.at("shown").at("ratios")[0];
+  const auto headless = nlohmann::json::parse(test::readFile(folder / "report.json"));
+  REQUIRE(headless.at("shown").at("ratios").size() == 1);
+  const std::string ratio = headless.at("shown").at("ratios")[0];
   CHECK_THAT(ratio, test::ContainsSubstring("; test push of 12 N: 0.0") && test::ContainsSubstring(" mm and 3.8"));
-  CHECK_FALSE(report.at("contact").get<bool>());
+  CHECK_FALSE(headless.at("contact").get<bool>());
   if (!test::haveXvfb()) return test::skipTest("Xvfb is missing");
   // Without a script in a new home: the start is remembered, and a person who closes the window during the tour gets no
   // warning. A second start has no tour.
