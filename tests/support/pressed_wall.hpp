@@ -20,6 +20,8 @@ struct PressedWall {
   std::string device = "tau-nominal.toml";
   double force = 8.0;      // of the hand, N
   double period = 1e-3;    // of the samples, s; the controller is designed for 1 ms
+  Delay delay;             // ticks; the controller knows it
+  std::uint64_t seed = 1;  // of a random delay
   double vibration = 0.0;  // amplitude of a force of 150 Hz that an effect adds after the controller, N
 
   // `tick` counts from the fault and is negative before it. `driver` may change a sample or replace its status; `host`
@@ -90,10 +92,12 @@ inline PressResult run(const PressedWall& press) {
   setup.start.position = {0.0, 0.0, 2e-3};
   setup.period = press.period;
   setup.encoders = {true, RateSource::lowPass};
+  setup.delay = press.delay;
+  setup.seed = press.seed;
   VirtualDevice device(*mechanism, setup);
   pressed_wall::Driver driver(device, press, faultTick);
   Scene scene = flatWall();
-  PositionControlRenderer controller(positionControlFor(*mechanism, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(*mechanism, 1e-3, press.delay.low, press.delay.high));
   pressed_wall::Vibrating effect(controller, press.vibration);
   HapticTick haptics(*mechanism, scene, Tool{},
                      press.vibration == 0.0 ? static_cast<Renderer&>(controller) : static_cast<Renderer&>(effect), 1e-3,

@@ -8,6 +8,7 @@
 #include "support/catch.hpp"
 #include "support/guard_faults.hpp"
 #include "support/guard_step.hpp"
+#include "support/pressed_wall.hpp"
 #include "support/pushes.hpp"
 
 namespace enamel::test_guard {
@@ -380,6 +381,20 @@ TEST_CASE("guard: where it steps in and the device cannot tell, the renderer hea
   }
   CHECK(tick.frame().reason == GuardReason::force);
   CHECK(command.effort != tick.frame().output.torque);
+}
+
+TEST_CASE("guard: reports are believed where commands repeat and are skipped at random", "[guard]") {
+  test::PressedWall press;
+  press.delay = {0, 3};
+  for (press.seed = 1; press.seed <= 10; ++press.seed) CHECK(test::run(press).ignoredReports == 0);
+  for (const double factor : {0.0, -1.0}) {
+    press.driver = [factor](int tick, Measurement& sample) {
+      if (tick >= 0) *sample.applied *= factor;
+      return Status::ok;
+    };
+    CAPTURE(factor);
+    CHECK(test::run(press).ignoredReports > 0);
+  }
 }
 
 TEST_CASE("guard: a copy goes on as the original does; a thousand ticks are kept", "[guard]") {

@@ -75,7 +75,7 @@ TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]
   model.lagKept = 0.3;
   model.growthKept = 0.9;
   model.growthSum = 1e-3;
-  ModeData data{1e-3, 1, {}, 0.3, 20.0, 0.15, 0.0, 0.0};
+  ModeData data{1e-3, 1, 1, {}, 0.3, 20.0, 0.15};
   Observer::State begin;
   fill(random, begin.part[0].x[0], sizeof begin / sizeof(double));
   begin.age = Lane{};

@@ -73,6 +73,7 @@ void Guard::reset() noexcept {
   fresh.sent = state_.sent;
   fresh.match = state_.match;
   fresh.power = state_.power;
+  fresh.error = state_.error;
   fresh.withheld = true;
   state_ = fresh;
 }
@@ -91,7 +92,7 @@ void Guard::forEachNumber(AnyState& s, const Visit& visit) {
   for (auto* number : {&s.time, &s.sampleTime, &s.ticks, &s.weight, &s.interval, &s.peak, &s.missed}) visit(*number);
   visit(s.rampTicks);
   for (auto* row : {&s.q, &s.acting, &s.torque, &s.gravity, &s.rendered, &s.from, &s.fromGravity, &s.match, &s.power,
-                    &s.jerk, &s.pace, &s.claimed})
+                    &s.error, &s.jerk, &s.pace, &s.claimed})
     for (auto& number : *row) visit(number);
   for (auto& row : s.sent)
     for (auto& number : row) visit(number);

@@ -72,10 +72,11 @@ void Guard::describeModes(const Mechanism& device) {
 
 // Returns the first joint with an implausible report, or -1.
 int Guard::unlikelyJoint(const JointVector& applied) const noexcept {
+  const State& s = state_;
   for (int i = 0; i < n_; ++i) {
-    const double noise = kReportNoise * most_[i];
+    const double noise = kReportNoise * kReportNoise * most_[i] * most_[i];
     if (isDriven(i) && (!(std::abs(applied[i]) <= kLargestReport * most_[i]) ||
-                        state_.match[i] < kReportShare * state_.power[i] - noise * noise))
+                        (s.match[i] < kReportShare * s.power[i] - noise && s.error[i] > noise)))
       return i;
   }
   return -1;
@@ -83,14 +84,17 @@ int Guard::unlikelyJoint(const JointVector& applied) const noexcept {
 
 bool Guard::believes(const JointVector& applied) const noexcept { return unlikelyJoint(applied) < 0; }
 
-// Compare a report with the commands. The power is that of the oldest command: a late report is not a missing one.
+// Compare a report with the commands. The power is that of the oldest command: a late report is not a missing one. At a
+// random delay, commands repeat or are skipped, and the power varies; then the report has no error.
 void Guard::compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept {
   State& s = state_;
   const double share = std::min(1.0, elapsed / kReportTime);
   for (int i = 0; i < n_; ++i) {
-    const double most = kLargestReport * most_[i], old = s.sent.back()[i];
-    s.match[i] += share * (std::clamp(applied[i], -most, most) * command[i] - s.match[i]);
+    const double most = kLargestReport * most_[i], old = s.sent.back()[i], report = std::clamp(applied[i], -most, most),
+                 error = report - command[i];
+    s.match[i] += share * (report * command[i] - s.match[i]);
     s.power[i] += share * (old * old - s.power[i]);
+    s.error[i] += share * (error * error - s.error[i]);
   }
 }
 

@@ -38,28 +38,54 @@ Matrix<kMech + 6> continuous(const Drive& drive, double inertia) {
   return A;
 }
 
-// Gains by iterating the Riccati recursion. `cost` starts at the solution for the neighbouring inertia, so it converges
-// soon. The variance of the number of ticks in which a command acts increases the cost of commands.
+// Gains by iterating the Riccati recursion (Wonham 1967; de Koning 1982). Its states are those of the tick in which a
+// command first acts, and the `pending` commands that may act in its place. `cost` starts at the solution for the
+// neighbouring inertia, so it converges soon.
 template <int n>
-void designGains(const Matrix<n>& a, const Matrix<n, 1>& b, const Matrix<n + 1>& H, double chance, Matrix<n>& cost,
-                 double* gain) {
-  constexpr int kMostSteps = 20000;
-  const Matrix<n> states = H.template topLeftCorner<n, n>();
-  const Matrix<1, n> mixed = H.template bottomLeftCorner<1, n>();
-  for (int i = 0; i < kMostSteps; ++i) {
-    const Matrix<n, 1> Xb = cost * b;
-    const Matrix<1, n> asked = Xb.transpose() * a + mixed, k = asked / (H(n, n) + (1.0 + chance) * b.dot(Xb));
-    Matrix<n> next = states + a.transpose() * cost * a - k.transpose() * asked;
-    next = (0.5 * (next + next.transpose())).eval();
-    const double change = (next - cost).norm();
-    cost = next;
-    for (int j = 0; j < n; ++j) gain[j] = k[j];
-    if (change <= 1e-12 * next.norm()) return;
+struct Design {
+  static constexpr int kMost = n + kMaxLoopDelay;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost + 1, kMost + 1>;
+  using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMost + 1>;
+
+  explicit Design(int pending) : last(n + pending), cost(Square::Zero(last, last)) {}
+
+  // b: effect of the command that acts; H: cost of the states and of this command, its last row.
+  Row gains(const Matrix<n>& a, const Matrix<n, 1>& b, const Matrix<n + 1>& H) {
+    constexpr int kMostSteps = 20000;
+    const double chance = 1.0 / (last - n + 1);  // of each command to act
+    Square next = Square::Zero(last, last + 1);  // from the states, the pending commands and the new one
+    next.template topLeftCorner<n, n>() = a;
+    for (int i = n; i < last; ++i) next(i, i == n ? last : i - 1) = 1.0;
+    Square fixed = Square::Zero(last + 1, last + 1);
+    fixed.template topLeftCorner<n, n>() = H.template topLeftCorner<n, n>();
+    Row gain;
+    for (int i = 0; i < kMostSteps; ++i) {
+      const Row Pb = b.transpose() * cost.template topRows<n>();
+      Row act = Pb * next;  // products of the command that acts with all others
+      act.template head<n>() += H.template bottomLeftCorner<1, n>();
+      Square form = fixed;
+      form.noalias() += next.transpose() * (cost * next);
+      for (int j = n; j <= last; ++j) {
+        form.row(j) += chance * act;
+        form.col(j) += chance * act.transpose();
+        form(j, j) += chance * (H(n, n) + Pb.template head<n>().dot(b));
+      }
+      gain = form.row(last).head(last) / form(last, last);
+      Square better = form.topLeftCorner(last, last) - gain.transpose() * form.row(last).head(last);
+      better = (0.5 * (better + better.transpose())).eval();
+      const double change = (better - cost).norm();
+      cost = better;
+      if (change <= 1e-12 * better.norm()) break;
+    }
+    return gain;
   }
-}
+
+  int last;     // index of the new command
+  Square cost;  // from now on
+};
 
 template <int kMech>
-ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix<kMech + 1>& cost) {
+ModeModel<kMech> modelAt(const ModeData& d, double unseen, double inertia, Design<kMech + 1>& design) {
   constexpr int push = kMech + 1, growth = kMech + 2, inputs = kMech + 3, link = kMech - 2, kAll = kMech + 6;
   const Matrix<kAll> middle = exponential<kAll>(continuous<kMech>(d.drive, inertia) * (0.5 * d.period / kSubsteps)),
                      step = middle.lazyProduct(middle);
@@ -79,10 +105,10 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix<kMech + 1>& c
     way << power.row(link).template head<kMech + 1>().transpose(), power(link, inputs);
     H += way * way.transpose() / kSubsteps;
   }
-  const double reaction = (d.delay + 1) * d.period, whole = inertia + (kMech == 4 ? d.drive.rotorInertia : 0.0);
+  const double reaction = reactionTime(d), whole = inertia + (kMech == 4 ? d.drive.rotorInertia : 0.0);
   // The depth x, per unit largest force: until a command acts, and half an encoder step that no reading shows.
   const double late = 0.5 * d.pushShare / (1.0 - d.pushShare) * reaction * reaction / whole;
-  H /= late * late + d.unseen * d.unseen;
+  H /= late * late + unseen * unseen;
   H(kMech + 1, kMech + 1) += d.forceCost;
   for (int i = 0; i < kMech; ++i) {
     for (int j = 0; j < kMech + 3; ++j) m.state[i][j] = power(i, j);
@@ -93,8 +119,9 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix<kMech + 1>& c
   const auto place = [](int i) { return i < kMech ? i : i + 1; };  // the lag has no noise
   for (int i = 0, n = 0; i < kMech + 2; ++i)
     for (int j = 0; j <= i; ++j) m.wander[n++] = wander(place(i), place(j));
-  designGains<kMech + 1>(power.template topLeftCorner<kMech + 1, kMech + 1>(),
-                         power.col(inputs).template head<kMech + 1>(), H, d.chance, cost, m.gain);
+  const auto gains = design.gains(power.template topLeftCorner<kMech + 1, kMech + 1>(),
+                                  power.col(inputs).template head<kMech + 1>(), H);
+  for (int i = 0; i < gains.size(); ++i) (i <= kMech ? m.gain[i] : m.pending[i - kMech - 1]) = gains[i];
   return m;
 }
 
@@ -102,6 +129,17 @@ const double kLowest = std::log(1e-7), kStep = 0.05;
 constexpr int kEntries = 415;  // up to 1e2
 
 }  // namespace
+
+double reactionTime(const ModeData& data) noexcept {
+  const int choices = data.delayHigh - data.delayLow + 1;
+  double square = 0.0, none = 1.0;  // none: probability that no such command has acted
+  for (int i = 1; i <= choices; ++i) {
+    const double acts = none * i / choices, ticks = data.delayLow + i;
+    square += acts * ticks * ticks;
+    none -= acts;
+  }
+  return std::sqrt(square) * data.period;
+}
 
 double lagOf(const Drive& drive) noexcept { return 2.0 * M_PI * (drive.bandwidth > 0.0 ? drive.bandwidth : 1e5); }
 
@@ -118,10 +156,11 @@ ModeMotion<kMech> modeMotion(const Drive& drive, double inertia, double seconds)
 }
 
 template <int kMech>
-ModeTable<kMech>::ModeTable(const ModeData& data) {
-  Matrix<kMech + 1> cost = Matrix<kMech + 1>::Zero();
+ModeTable<kMech>::ModeTable(const ModeData& data, double unseen) {
+  Design<kMech + 1> design(data.delayHigh - data.delayLow);
   entries_.reserve(kEntries);
-  for (int i = 0; i < kEntries; ++i) entries_.push_back(modelAt<kMech>(data, std::exp(kLowest + i * kStep), cost));
+  for (int i = 0; i < kEntries; ++i)
+    entries_.push_back(modelAt<kMech>(data, unseen, std::exp(kLowest + i * kStep), design));
 }
 
 template <int kMech>
@@ -139,24 +178,29 @@ void ModeTable<kMech>::read(double logInertia, int lane, double (*value)[kLanes]
 }
 
 template <int kMech>
-std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data) {
+std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data, double unseen) {
   constexpr std::size_t kKept = 8;
   using Key = std::array<double, 10>;  // everything that determines a table
   static std::mutex mutex;
   static std::vector<std::pair<Key, std::shared_ptr<const ModeTable<kMech>>>> kept;  // most recently used last
   const Drive& drive = data.drive;
-  const Key key = {data.period,     static_cast<double>(data.delay),
-                   drive.bandwidth, drive.rotorInertia,
-                   drive.stiffness, drive.damping,
-                   data.pushShare,  data.forceCost,
-                   data.chance,     data.unseen};
+  const Key key = {data.period,
+                   static_cast<double>(data.delayLow),
+                   static_cast<double>(data.delayHigh),
+                   drive.bandwidth,
+                   drive.rotorInertia,
+                   drive.stiffness,
+                   drive.damping,
+                   data.pushShare,
+                   data.forceCost,
+                   unseen};
   const std::lock_guard lock(mutex);
   const auto found = std::find_if(kept.begin(), kept.end(), [&](const auto& entry) { return entry.first == key; });
   if (found != kept.end()) {
     std::rotate(found, found + 1, kept.end());
   } else {
     if (kept.size() == kKept) kept.erase(kept.begin());
-    kept.emplace_back(key, std::make_shared<const ModeTable<kMech>>(data));
+    kept.emplace_back(key, std::make_shared<const ModeTable<kMech>>(data, unseen));
   }
   return kept.back().second;
 }
@@ -165,7 +209,7 @@ template ModeMotion<2> modeMotion<2>(const Drive& drive, double inertia, double 
 template ModeMotion<4> modeMotion<4>(const Drive& drive, double inertia, double seconds);
 template class ModeTable<2>;
 template class ModeTable<4>;
-template std::shared_ptr<const ModeTable<2>> modeTableOf<2>(const ModeData& data);
-template std::shared_ptr<const ModeTable<4>> modeTableOf<4>(const ModeData& data);
+template std::shared_ptr<const ModeTable<2>> modeTableOf<2>(const ModeData& data, double unseen);
+template std::shared_ptr<const ModeTable<4>> modeTableOf<4>(const ModeData& data, double unseen);
 
 }  // namespace enamel

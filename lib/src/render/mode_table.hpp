@@ -11,14 +11,16 @@
 //   m' = 2 pi f (u - m),  p' = g,  g' = -g / 20 ms
 //
 // u is the command, p the push of the hand on the link, and g the growth of p. A rigid transmission has q, q', m, p and
-// g only. The gains minimise the sum over all ticks of the integral of (q / x)^2 + rho (u / F)^2. F is the largest
-// force. x is the depth of a large step of the hand that no controller can avoid at this delay and encoder step.
+// g only. The gains minimise the sum over all ticks of the integral of (q / x)^2 + rho (a / F)^2. F is the largest
+// force, and a the command that acts in the tick: one of the last delayHigh - delayLow + 1, all equally likely. x is
+// the depth of a large step of the hand that no controller can avoid at this delay and encoder step.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "enamel/device/mechanism.hpp"
+#include "enamel/render/position_control.hpp"
 
 namespace enamel {
 
@@ -27,18 +29,20 @@ inline constexpr int kBins = 2;   ///< parts of a tick in which the push may jum
 
 /// Data that all modes of a device share.
 struct ModeData {
-  double period;  ///< T, s
-  int delay;      ///< delay of a command, ticks
+  double period;            ///< T, s
+  int delayLow, delayHigh;  ///< delay of a command, ticks: random in each tick, if they differ
   Drive drive;
   double pushShare;   ///< large step of the hand as a share of the largest force
   double forceCost;   ///< rho
   double modelError;  ///< share of the force that the model misses
-  double chance;      ///< variance of the number of ticks in which a command acts; the mean is 1
-  double unseen;      ///< half an encoder step over the largest force, rad/(N m) or m/N
 };
 
 inline constexpr double kGrowthTime = 0.02;     ///< s, decay time of a push's growth
 inline constexpr double kGrowthOfStep = 18.75;  ///< standard deviation of the growth, steps of the hand per second
+
+/// Return the root mean square of the time from a sample to the end of the first tick in which a command acts that
+/// knows the sample, s. Realtime: yes.
+double reactionTime(const ModeData& data) noexcept;
 
 /// Return the rate of the motors' lag, 1/s; for motors without lag, that of 1e5 Hz. Realtime: yes.
 double lagOf(const Drive& drive) noexcept;
@@ -51,7 +55,8 @@ struct ModeModel {
   double rotor[kMech], link[kMech];              ///< from a unit force on rotor or link, held for the period
   double onset[kBins][kMech];                    ///< mean effect of a unit push that begins anywhere in a bin
   double wander[(kMech + 2) * (kMech + 3) / 2];  ///< covariance (mechanical, push, growth) for a growth of deviation 1
-  double gain[kMech + 1];                        ///< for mechanical states and lag
+  double gain[kMech + 1];                        ///< for mechanical states and lag, delayLow ticks after a sample
+  double pending[kMaxLoopDelay];                 ///< for the commands that may act instead, newest first
 };
 
 /// Motion of rotor, link and motor of a mode with a constant push: x(t + seconds) = state x(t) + command u + push p.
@@ -69,10 +74,11 @@ class ModeTable {
   static constexpr int kNumbers = sizeof(ModeModel<kMech>) / sizeof(double);
   static constexpr int kCommandAt = kMech * (kMech + 3), kRotorAt = kCommandAt + kMech, kLinkAt = kRotorAt + kMech,
                        kOnsetAt = kLinkAt + kMech, kWanderAt = kOnsetAt + kBins * kMech,
-                       kGainAt = kWanderAt + (kMech + 2) * (kMech + 3) / 2;
+                       kGainAt = kWanderAt + (kMech + 2) * (kMech + 3) / 2, kPendingAt = kGainAt + kMech + 1;
   static constexpr int kSlopes = kRotorAt;  ///< numbers with derivatives
 
-  explicit ModeTable(const ModeData& data);
+  /// `unseen`: half an encoder step over the largest force, rad/(N m) or m/N.
+  ModeTable(const ModeData& data, double unseen);
 
   /// Write the numbers at an inertia, and their derivatives by its logarithm, into a lane. Realtime: yes.
   void read(double logInertia, int lane, double (*value)[kLanes], double (*slope)[kLanes]) const noexcept;
@@ -84,6 +90,6 @@ class ModeTable {
 /// Return the table of these data. Renderers with the same data share one; the last few are cached. Any thread.
 /// Realtime: no.
 template <int kMech>
-std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data);
+std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data, double unseen);
 
 }  // namespace enamel

@@ -35,19 +35,19 @@ constexpr double kFades = 0.1;    // share of the speed along a wall at which a 
 constexpr double kNear = 2e-5;    // m: a contact that stays farther outside for a tick carries no force
 constexpr int kRefreshTicks = 8;  // between two updates of the inertia
 
+// Return half an encoder step over the largest torque of each joint; 0 of a joint without a motor.
+JointVector unseenOf(const PositionControlOptions& options) {
+  JointVector unseen = JointVector::Zero(options.encoderStep.size());
+  for (Eigen::Index j = 0; j < unseen.size(); ++j)
+    if (options.effort[j] > 0.0) unseen[j] = 0.5 * options.encoderStep[j] / options.effort[j];
+  return unseen;
+}
+
 }  // namespace
 
 PositionControlOptions positionControlFor(const Mechanism& mechanism, double period, int delayLow, int delayHigh) {
   const JointLimits& limits = mechanism.limits();
   return {period, limits.encoderStep, limits.effort, delayLow, delayHigh, limits.drive, mechanism.scale()};
-}
-
-// Return half an encoder step over the largest torque of each joint; 0 of a joint without a motor.
-static JointVector unseenOf(const PositionControlOptions& options) {
-  JointVector unseen = JointVector::Zero(options.encoderStep.size());
-  for (Eigen::Index j = 0; j < unseen.size(); ++j)
-    if (options.effort[j] > 0.0) unseen[j] = 0.5 * options.encoderStep[j] / options.effort[j];
-  return unseen;
 }
 
 // The implementation: with rotors behind cables, or rigid.
@@ -112,9 +112,10 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   };
   // The modes at the time when the command acts.
   struct alignas(64) Ahead {
-    States x, next;      // at that time, and a tick later without a force
-    States sensitivity;  // derivative of `next` by ln(mass), due to what acts from now on
-    Lane now;            // measured
+    States x, next;               // at that time, and a tick later without a force
+    States sensitivity;           // derivative of `next` by ln(mass), due to what acts from now on
+    Lane pending[kMaxLoopDelay];  // commands that may act instead of the new one, newest first
+    Lane now;                     // measured
     typename Observer::Law law;
     Lane inertia;    // of link and rotor together
     double seconds;  // from the sample to that time
@@ -125,6 +126,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void start(const TickFrame& frame) noexcept;
   void decouple(const TickFrame& frame, bool whole) noexcept;
   void observe(const TickFrame& frame) noexcept;
+  JointRow acting(int ahead) const noexcept;
   void predict(const TickFrame& frame, Ahead& a) const noexcept;
   int collect(const TickFrame& frame, const Ahead& a, Wall* walls) noexcept;
   double complianceOf(const Ahead& a, const Lane& row) const noexcept;
@@ -139,11 +141,10 @@ class PositionControlRenderer::ControllerOf final : public Controller {
                       const double* force) noexcept;
 
   PositionControlOptions options_;
-  int joints_, delay_;
-  // Variance of the number of ticks in which a command acts; one of delayHigh - delayLow + 1 commands acts in each.
-  double chance_;
-  double acts_;  // largest number of ticks in which a command acts, by kRepeats deviations
+  int joints_, low_, pending_;  // low_: delayLow; pending_: older commands that may act instead of the new one
+  double acts_;                 // largest number of ticks in which a command acts, by kRepeats deviations
   Observer observer_;
+  double reaction_;            // s
   alignas(64) Memory memory_;  // GCC 12 assumes this alignment
 };
 
@@ -151,11 +152,13 @@ template <int kMech>
 PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControlOptions& options)
     : options_(options),
       joints_(static_cast<int>(options.encoderStep.size())),
-      delay_((options.delayLow + options.delayHigh + 1) / 2),
-      chance_(1.0 - 1.0 / (options.delayHigh - options.delayLow + 1)),
-      acts_(std::min(options.delayHigh - options.delayLow + 1.0, 1.0 + kRepeats * std::sqrt(chance_))),
-      observer_({options.period, delay_, options.drive, kPushShare, kForceCost, kModelError, chance_, 0.0},
-                unseenOf(options)) {}
+      low_(options.delayLow),
+      pending_(options.delayHigh - options.delayLow),
+      acts_(std::min(pending_ + 1.0, 1.0 + kRepeats * std::sqrt(pending_ / (pending_ + 1.0)))),
+      observer_(
+          {options.period, options.delayLow, options.delayHigh, options.drive, kPushShare, kForceCost, kModelError},
+          unseenOf(options)),
+      reaction_(reactionTime(observer_.data())) {}
 
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
@@ -301,7 +304,7 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     decouple(frame, false);
   }
   observer_.refresh(m.observer);
-  JointRow acted = m.sent[delay_], reading{};
+  JointRow acted = acting(0), reading{};
   for (int j = 0; j < joints_; ++j) {
     if (frame.applied) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];
     reading[j] = frame.kinematics.q[j];
@@ -330,14 +333,23 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
   observer_.merge(m.observer);
 }
 
+// Return the mean of the commands that may act so many ticks after the last one, at most delayLow.
+template <int kMech>
+JointRow PositionControlRenderer::ControllerOf<kMech>::acting(int ahead) const noexcept {
+  JointRow mean{};
+  for (int d = 0; d <= pending_; ++d)
+    for (int j = 0; j < joints_; ++j) mean[j] += memory_.sent[low_ + d - ahead][j] / (pending_ + 1);
+  return mean;
+}
+
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& frame, Ahead& a) const noexcept {
   const typename Observer::State& s = memory_.observer;
   const double T = options_.period, scale = std::exp(s.scale);
   std::memcpy(a.x, s.mean, sizeof a.x);
   std::memset(a.sensitivity, 0, sizeof a.sensitivity);
-  for (int d = delay_ - 1; d >= 0; --d) {
-    const Lane command = toModes(memory_.sent[d]);
+  for (int ahead = 1; ahead <= low_; ++ahead) {
+    const Lane command = toModes(acting(ahead));
     observer_.advanceSensitivity(command, a.x, a.sensitivity);
     observer_.advance(command, a.x);
   }
@@ -347,8 +359,9 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   JointRow reading{};
   for (int j = 0; j < joints_; ++j) reading[j] = frame.kinematics.q[j];
   a.now = toModes(reading);
-  a.seconds = (delay_ + frame.age) * T;
-  observer_.law(a.x, joints_, a.law);
+  a.seconds = (low_ + frame.age) * T;
+  for (int d = 0; d < pending_; ++d) a.pending[d] = toModes(memory_.sent[d]);
+  observer_.law(a.x, a.pending, joints_, a.law);
   a.inertia.fill(1.0);
   for (int k = 0; k < joints_; ++k) a.inertia[k] = s.inertia[k] * scale + options_.drive.rotorInertia;
 }
@@ -488,7 +501,7 @@ void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const
 // Distance that a push moves a mass before a command answers: unseen for half an encoder step, then for the delay.
 template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::reboundOf(double push, double mass, double step) const noexcept {
-  const double unseen = std::sqrt(0.5 * step), late = (delay_ + 1) * options_.period * std::sqrt(0.5 * push / mass);
+  const double unseen = std::sqrt(0.5 * step), late = reaction_ * std::sqrt(0.5 * push / mass);
   return (unseen + late) * (unseen + late);
 }
 
@@ -525,15 +538,23 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
       byMass += outward[i][k] * a.sensitivity[i][k];
       byCommand -= outward[i][k] * observer_.commandSensitivity(i)[k] * row[k];
     }
-  for (int d = 0; d <= delay_; ++d) observer_.pullBack(outward);
+  for (int d = 0; d <= low_; ++d) observer_.pullBack(outward);
   const auto force = observer_.moments(memory_.observer, push),
              uncertain = observer_.moments(memory_.observer, outward);
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
   const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass, step) * sure / mass),
-               comesOut = std::min(depth / kGrowthTime, memory_.step * (delay_ + 1) * T / mass);
+               comesOut = std::min(depth / kGrowthTime, memory_.step * reaction_ / mass);
   // Largest change of speed z by this command for which speed + z plus its deviations stays below a limit. The
   // deviations are that of the present speed, and that of ln(mass) times (byMass - h z).
+  // The pending commands that may act later, above the push that they meet: as often as is likely.
+  double other = 0.0;
+  for (int d = 0; d < pending_; ++d) {
+    double sum = 0.0;
+    for (int k = 0; k < joints_; ++k) sum += row[k] * a.pending[d][k] / a.inertia[k] * mass;
+    speed += (sum - sure) * T / mass * (pending_ - d) / (pending_ + 1);
+    other += sum / pending_;
+  }
   const double h = byCommand * mass / T, kappa = kSpeedDeviations * std::sqrt(memory_.observer.scaleVariance);
   const auto change = [&](double limit, double deviation) {
     const double most = limit - speed, own = kSpeedDeviations * deviation, left = 1.0 - kappa * kappa * h * h;
@@ -542,13 +563,8 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
            left;
   };
   const double safe = std::max({0.0, change(rebound, uncertain.deviation), change(comesOut, 0.0)}) * mass / T;
-  if (options_.delayLow == options_.delayHigh) return safe;
-  // With a random delay a command may act in more than one tick, in place of commands that are under way.
-  double other = 0.0;
-  for (int d = 0; d < options_.delayHigh; ++d) {
-    const Lane sent = toModes(memory_.sent[d]);
-    for (int k = 0; k < joints_; ++k) other += row[k] * sent[k] / a.inertia[k] * mass / options_.delayHigh;
-  }
+  if (pending_ == 0) return safe;
+  // A command may act in more than one tick, in place of the pending ones.
   return std::min(safe, std::max(0.0, other + (safe - other) / acts_));
 }
 

@@ -33,10 +33,8 @@ const ObserverSteps<kMech>& steps() noexcept {
 
 template <int kMech>
 PushObserver<kMech>::PushObserver(const ModeData& data, const JointVector& unseen) : data_(data), model_{} {
-  for (Eigen::Index j = 0; j < unseen.size(); ++j) {
-    data_.unseen = unseen[j];
-    table_[static_cast<std::size_t>(j)] = modeTableOf<kMech>(data_);
-  }
+  for (Eigen::Index j = 0; j < unseen.size(); ++j)
+    table_[static_cast<std::size_t>(j)] = modeTableOf<kMech>(data, unseen[j]);
   (void)steps<kMech>();  // detects the processor now, not in a tick
   // Zero if it is negligible: its products with covariances would be denormal numbers, which take a third of a tick.
   const double kept = std::exp(-lagOf(data.drive) * data.period);
@@ -53,6 +51,8 @@ void PushObserver<kMech>::describe(State& s, int k, double inertia, double step,
   s.tremor[k] = tremor;
   s.readingVariance[k] = reading.variance;
   s.largestStep[k] = reading.largest;
+  const auto tableAt = [&](double joint) { return table_[static_cast<std::size_t>(joint)].get(); };
+  if (tableAt(reading.joint) != tableAt(s.joint[k])) s.used[k] = 0.0;  // refresh() reads the other table
   s.joint[k] = reading.joint;
 }
 
@@ -216,7 +216,7 @@ void PushObserver<kMech>::advanceSensitivity(const Lane& command, const States& 
 }
 
 template <int kMech>
-void PushObserver<kMech>::law(const States& x, int modes, Law& law) const noexcept {
+void PushObserver<kMech>::law(const States& x, const Lane* pending, int modes, Law& law) const noexcept {
   law.stiffness.fill(1.0);
   law.lead.fill(0.0);
   law.wouldBe.fill(0.0);
@@ -224,6 +224,8 @@ void PushObserver<kMech>::law(const States& x, int modes, Law& law) const noexce
     const auto g = [&](int i) { return gain(i)[k]; };
     const double p = x[kPush][k] + 0.5 * data_.period * x[kGrowth][k];
     double asked = p + g(0) * x[0][k] + g(1) * x[1][k] + g(kMech) * (x[kLag][k] + p);
+    for (int j = 0; j < data_.delayHigh - data_.delayLow; ++j)
+      asked += model_.value[ModeTable<kMech>::kPendingAt + j][k] * (pending[j][k] + p);
     double damping = g(1);
     law.stiffness[k] = g(0);
     if (kMech == 4) {

@@ -64,7 +64,7 @@ class PushObserver {
     double lagKept, growthKept, growthSum;  // over a tick
   };
 
-  /// `unseen`: ModeData::unseen of each joint; that of `data` is not used.
+  /// `unseen`: of each joint, as ModeTable().
   PushObserver(const ModeData& data, const JointVector& unseen);
 
   /// Describe mode k: inertia, deviations of a step of the hand and of its tremor, rounding of a reading.
@@ -99,11 +99,12 @@ class PushObserver {
     return model_.slope[ModeTable<kMech>::kCommandAt + i];
   }
   /// Return the law of the controller: each mode's torque is stiffness (target - wouldBe). wouldBe is the place to
-  /// which the hand would move the mode, at states `x`; `lead` are the seconds of speed in it.
+  /// which the hand would move the mode; `lead` are the seconds of speed in it. x: states delayLow ticks after the last
+  /// sample. `pending`: older commands that may act then, newest first.
   struct Law {
     Lane stiffness, lead, wouldBe;
   };
-  void law(const States& x, int modes, Law& law) const noexcept;
+  void law(const States& x, const Lane* pending, int modes, Law& law) const noexcept;
   /// Convert a linear function of the states a tick later to one of the present states.
   void pullBack(States& row) const noexcept;
   /// Return mean and standard deviation of a linear function of the states.

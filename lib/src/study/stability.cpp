@@ -152,7 +152,7 @@ std::vector<LinearLoop::Wall::Mode> LinearLoop::Wall::modesOf(const ControlledMo
     typename Observer::States x = {};
     Lane command{};
     for (int k = 0; k < kLanes; ++k) (i < kSeen ? x[i][k] : command[k]) = i < kSeen ? 1.0 : row[k];
-    observer.law(x, m.count, law);
+    observer.law(x, nullptr, m.count, law);
     observer.advance(command, x);
     for (int k = 0; k < m.count; ++k) {
       Mode& mode = modes[static_cast<std::size_t>(k)];
@@ -213,8 +213,8 @@ MatrixXd LinearLoop::Wall::alongWall(Index size) const {
 }
 
 MatrixXd LinearLoop::Wall::matrix(const DeviceErrors& errors, std::size_t index) const {
-  const double late = data_.delay + errors.delay, T = data_.period;
-  const int whole = static_cast<int>(std::floor(late)), assumed = data_.delay;
+  const double late = data_.delayLow + errors.delay, T = data_.period;
+  const int whole = static_cast<int>(std::floor(late)), assumed = data_.delayLow;
   const double part = late - whole;
   const auto n = static_cast<Index>(modes_.size());
   const Index plantStates = mechanical_ + 1, seenStates = mechanical_ + 3, seenAt = n * plantStates,

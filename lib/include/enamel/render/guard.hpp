@@ -198,11 +198,12 @@ class Guard {
     Account commanded, reported;          // from the guard's commands; from the device's reports
     bool reports = false;                 // the device has reported a torque
     std::array<Row, kReportLags> sent{};  // torques applied at the last ticks, newest first
-    Row match{}, power{};                 // means of report times command, and of the oldest command squared
-    double interval = 0.0;                // mean time between samples, minus one period, s
-    double peak = 0.0;                    // largest recent rendered force, N
-    Row jerk{};                           // mean square change of the rendered torque, shares
-    double missed = 0.0;                  // missed ticks
+    // Means of report times command, of the oldest command squared, and of the squared error of the report.
+    Row match{}, power{}, error{};
+    double interval = 0.0;  // mean time between samples, minus one period, s
+    double peak = 0.0;      // largest recent rendered force, N
+    Row jerk{};             // mean square change of the rendered torque, shares
+    double missed = 0.0;    // missed ticks
     Row pace{}, claimed{};  // counts per tick before a joint stopped; counts predicted from its rate since then
     std::array<bool, kMaxJoints> even{};  // whether the pace equals that of the tick before
     std::array<int, kMaxJoints> still{};  // ticks without a change of the reading
