@@ -59,7 +59,7 @@ function axisOf(name, settings, panel, domain) {
   const numbers = settings.numbers !== false, length = name === 'x' ? panel.width : panel.height;
   return {scale: name, orient: name === 'x' ? 'bottom' : 'left', title: numbers ? settings.title || null : null,
     labels: numbers, ticks: numbers && !settings.names, grid: !settings.names && panel.grid !== false, domain: false, labelLimit: 300,
-    tickCount: Math.max(2, Math.round(length / (name === 'x' ? 80 : 45))), labelOverlap: true,
+    tickCount: Math.max(2, Math.round(length / (name === 'x' ? 55 : 45))), labelOverlap: true,
     ...(settings.log ? {format: '~g', values: logTicks(domain)} : {})};
 }
 

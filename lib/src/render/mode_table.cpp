@@ -141,6 +141,13 @@ double reactionTime(const ModeData& data) noexcept {
   return std::sqrt(square) * data.period;
 }
 
+JointVector unseenOf(const PositionControlOptions& options) {
+  JointVector unseen = JointVector::Zero(options.encoderStep.size());
+  for (Eigen::Index j = 0; j < unseen.size(); ++j)
+    if (options.effort[j] > 0.0) unseen[j] = 0.5 * options.encoderStep[j] / options.effort[j];
+  return unseen;
+}
+
 double lagOf(const Drive& drive) noexcept { return 2.0 * M_PI * (drive.bandwidth > 0.0 ? drive.bandwidth : 1e5); }
 
 template <int kMech>

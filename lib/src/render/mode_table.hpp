@@ -44,6 +44,10 @@ inline constexpr double kGrowthOfStep = 18.75;  ///< standard deviation of the g
 /// knows the sample, s. Realtime: yes.
 double reactionTime(const ModeData& data) noexcept;
 
+/// Return half an encoder step over the largest torque of each joint, rad/(N m) or m/N; 0 of a joint without a motor.
+/// Realtime: no.
+JointVector unseenOf(const PositionControlOptions& options);
+
 /// Return the rate of the motors' lag, 1/s; for motors without lag, that of 1e5 Hz. Realtime: yes.
 double lagOf(const Drive& drive) noexcept;
 
@@ -77,7 +81,7 @@ class ModeTable {
                        kGainAt = kWanderAt + (kMech + 2) * (kMech + 3) / 2, kPendingAt = kGainAt + kMech + 1;
   static constexpr int kSlopes = kRotorAt;  ///< numbers with derivatives
 
-  /// `unseen`: half an encoder step over the largest force, rad/(N m) or m/N.
+  /// `unseen`: of a joint, as unseenOf().
   ModeTable(const ModeData& data, double unseen);
 
   /// Write the numbers at an inertia, and their derivatives by its logarithm, into a lane. Realtime: yes.

@@ -7,20 +7,17 @@
 #include "core/message.hpp"
 #include "enamel/collision/scene.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/render/friction.hpp"
-#include "render/contact_projection.hpp"
+#include "render/contact_walls.hpp"
 #include "render/controlled_modes.hpp"
-#include "render/push_observer.hpp"
 
 namespace enamel {
 namespace {
 
-// These numbers were chosen; all others are computed. lib/docs/position-control.md says what each of them trades.
+// These numbers and kStick were chosen; all others are computed. lib/docs/position-control.md says what each trades.
 constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
 constexpr double kModelError = 0.15;  // share of the force that the model misses: robustness against stiffness
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
 constexpr double kRepeats = 2.0;                                 // deviations of the ticks in which a command acts
-constexpr double kStick = 0.5;  // of the stiffness along the surface: encoder steps that are felt against creep
 
 // Model of a person. A step has a deviation of 8 N, or a fifth of a weak device's largest force. The tremor is a
 // sixteenth of a step. A moment counts as a force at 2 cm.
@@ -30,25 +27,16 @@ constexpr double kPushShare = 0.27;  // of the designs: a large step as a share 
 constexpr double kEarly = 0.5, kMostTicks = 10.5;  // ticks since the last sample: fewer repeat the answer, more reset
 constexpr double kDoubtTime = 0.1, kMostDoubts = 12.0;  // s; more contradictions in this time are a fault
 constexpr double kContradicts = 8.0;                    // deviations of an innovation that no push explains
-constexpr double kRetreat = 50.0;                       // 1 / kRetreat^2: how far contradicting walls give way to force
-constexpr double kFades = 0.1;    // share of the speed along a wall at which a vanished wall retreats
 constexpr double kNear = 2e-5;    // m: a contact that stays farther outside for a tick carries no force
 constexpr int kRefreshTicks = 8;  // between two updates of the inertia
 
-// Return half an encoder step over the largest torque of each joint; 0 of a joint without a motor.
-JointVector unseenOf(const PositionControlOptions& options) {
-  JointVector unseen = JointVector::Zero(options.encoderStep.size());
-  for (Eigen::Index j = 0; j < unseen.size(); ++j)
-    if (options.effort[j] > 0.0) unseen[j] = 0.5 * options.encoderStep[j] / options.effort[j];
-  return unseen;
+JointRow readingOf(const TickFrame& frame) noexcept {
+  JointRow reading{};
+  for (Eigen::Index j = 0; j < frame.kinematics.q.size(); ++j) reading[j] = frame.kinematics.q[j];
+  return reading;
 }
 
 }  // namespace
-
-PositionControlOptions positionControlFor(const Mechanism& mechanism, double period, int delayLow, int delayHigh) {
-  const JointLimits& limits = mechanism.limits();
-  return {period, limits.encoderStep, limits.effort, delayLow, delayHigh, limits.drive, mechanism.scale()};
-}
 
 // The implementation: with rotors behind cables, or rigid.
 class PositionControlRenderer::Controller {
@@ -79,72 +67,42 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   using States = typename Observer::States;
   static constexpr int kLink = kMech - 2, kLag = Observer::kLag, kPush = Observer::kPush, kGrowth = Observer::kGrowth;
 
-  // A plane that the tool must not cross, in joint coordinates: row . (q - here) + gap >= 0.
-  struct Wall {
-    JointRow row{};
-    double gap = 0.0;        // at present, m
-    double speed = 0.0;      // of the obstacle along the normal, m/s
-    double softness = 0.0;   // 1 / stiffness of the material, m/N
-    double name = 0.0;       // identifies the wall from tick to tick
-    double retreated = 0.0;  // m: of a wall that has vanished
-    double contact = -1.0;   // index in the frame; -1: vanished
-    double holds = 0.0;      // the tool has reached it, and the hand has not moved back since
-  };
   // All state between ticks: plain numbers, so that it can be copied bytewise.
   struct Memory {
-    double axes[kMaxJoints][kLanes] = {};  // column k: mode k in joint coordinates
+    ModeAxes axes = {};
     typename Observer::State observer{};
     double started = 0.0, lastTime = 0.0, ticks = 0.0;
     std::array<JointRow, kMaxLoopDelay + 1> sent{};            // without gravity, newest first
     JointRow lastReading{}, lastEstimate{};                    // joints
     double step = 0.0;                                         // step of the hand, N
     double contradictions = 0.0, ignored = 0.0, doubts = 0.0;  // doubts: recent contradictions
-    double walls = 0.0;
-    std::array<Wall, 2 * kMaxContacts> wall{};
+    WallMemory walls;
     double push = 0.0, merged = 0.0, lastNormal = 0.0;
     FrictionMemory friction;
   };
-  // A wall in mode coordinates, at the place to which the hand would move the tool.
-  struct Target {
-    Lane row;                      // in mode coordinates
-    double gap, size, compliance;  // m; norm of the row in the metric 1 / stiffness; 1 / (material's stiffness size^2)
-    int wall;
-  };
-  // The modes at the time when the command acts.
+  // The states at the time when the command acts.
   struct alignas(64) Ahead {
     States x, next;               // at that time, and a tick later without a force
     States sensitivity;           // derivative of `next` by ln(mass), due to what acts from now on
     Lane pending[kMaxLoopDelay];  // commands that may act instead of the new one, newest first
-    Lane now;                     // measured
-    typename Observer::Law law;
-    Lane inertia;    // of link and rotor together
-    double seconds;  // from the sample to that time
+    PredictedModes modes;
   };
 
-  Lane toModes(const JointRow& v) const noexcept;
-  JointRow toJoints(const Lane& v) const noexcept;
+  Lane toModes(const JointRow& v) const noexcept { return enamel::toModes(memory_.axes, joints_, v); }
   void start(const TickFrame& frame) noexcept;
   void decouple(const TickFrame& frame, bool whole) noexcept;
   void observe(const TickFrame& frame) noexcept;
   JointRow acting(int ahead) const noexcept;
   void predict(const TickFrame& frame, Ahead& a) const noexcept;
-  int collect(const TickFrame& frame, const Ahead& a, Wall* walls) noexcept;
-  double complianceOf(const Ahead& a, const Lane& row) const noexcept;
-  int placeTargets(const Ahead& a, Wall* walls, int count, Target* targets) noexcept;
-  void project(const Ahead& a, const Target* targets, int count, double* force) noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
-  double reboundOf(double push, double mass, double step) const noexcept;
-  double readingStep(const JointRow& row) const noexcept;
   double largestSafe(const Ahead& a, const Lane& row, double step, double speed, double depth) noexcept;
-  JointRow frictionOf(const TickFrame& frame, const Ahead& a, const Target* targets, const Wall* walls, int count,
-                      const double* force) noexcept;
 
   PositionControlOptions options_;
   int joints_, low_, pending_;  // low_: delayLow; pending_: older commands that may act instead of the new one
   double acts_;                 // largest number of ticks in which a command acts, by kRepeats deviations
   Observer observer_;
-  double reaction_;            // s
+  Rebound rebound_;
   alignas(64) Memory memory_;  // GCC 12 assumes this alignment
 };
 
@@ -158,11 +116,11 @@ PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControl
       observer_(
           {options.period, options.delayLow, options.delayHigh, options.drive, kPushShare, kForceCost, kModelError},
           unseenOf(options)),
-      reaction_(reactionTime(observer_.data())) {}
+      rebound_{reactionTime(observer_.data()), options.encoderStep} {}
 
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
-  const bool isSound = memory_.walls >= 0 && memory_.walls <= 2 * kMaxContacts;
+  const bool isSound = memory_.walls.count >= 0 && memory_.walls.count <= kMostWalls;
   if (!isSound || (memory_.started != 0.0 && !observer_.accepts(memory_.observer, joints_)))
     reset();
   else if (memory_.started != 0.0)
@@ -171,41 +129,17 @@ void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
 
 template <int kMech>
 PositionControlState PositionControlRenderer::ControllerOf<kMech>::state() const noexcept {
-  PositionControlState s;
-  s.mass = std::exp(memory_.observer.scale);
-  s.deviation = memory_.started != 0.0 ? std::sqrt(memory_.observer.scaleVariance) : Observer::kScalePrior;
-  s.push = memory_.push;
-  s.ignored = memory_.ignored;
-  s.merged = memory_.merged;
-  return s;
+  const double deviation = memory_.started != 0.0 ? std::sqrt(memory_.observer.scaleVariance) : Observer::kScalePrior;
+  return {std::exp(memory_.observer.scale), deviation, memory_.push, memory_.ignored, memory_.merged};
 }
 
 template <int kMech>
 ControlledModes PositionControlRenderer::ControllerOf<kMech>::modes() const noexcept {
   const typename Observer::State& s = memory_.observer;
-  ControlledModes m{observer_.data(), unseenOf(options_), joints_, memory_.step, {}, s.inertia,
-                    s.step,           s.tremor,           {},      {},           {}};
+  ControlledModes m{observer_.data(), unseenOf(options_), joints_,           memory_.step,  {},     s.inertia,
+                    s.step,           s.tremor,           s.readingVariance, s.largestStep, s.joint};
   std::memcpy(m.axes, memory_.axes, sizeof m.axes);
-  m.readingVariance = s.readingVariance;
-  m.largestStep = s.largestStep;
-  m.joint = s.joint;
   return m;
-}
-
-template <int kMech>
-Lane PositionControlRenderer::ControllerOf<kMech>::toModes(const JointRow& v) const noexcept {
-  Lane m{};
-  for (int j = 0; j < joints_; ++j)
-    for (int k = 0; k < kLanes; ++k) m[k] += memory_.axes[j][k] * v[j];
-  return m;
-}
-
-template <int kMech>
-JointRow PositionControlRenderer::ControllerOf<kMech>::toJoints(const Lane& m) const noexcept {
-  JointRow v{};
-  for (int j = 0; j < joints_; ++j)
-    for (int k = 0; k < joints_; ++k) v[j] += memory_.axes[j][k] * m[k];
-  return v;
 }
 
 // Rotate the modes towards the eigenvectors of the links' inertia (Jacobi's method): the most coupled pair, or all
@@ -287,7 +221,7 @@ void PositionControlRenderer::ControllerOf<kMech>::start(const TickFrame& frame)
   memory_.step = std::min(kStepForce / options_.scale, kStepShare * std::max(0.0, force));
   for (int j = 0; j < joints_; ++j) memory_.axes[j][j] = 1.0;
   decouple(frame, true);
-  for (int j = 0; j < joints_; ++j) memory_.lastReading[j] = memory_.lastEstimate[j] = k.q[j];
+  memory_.lastReading = memory_.lastEstimate = readingOf(frame);
   observer_.start(memory_.observer, joints_, toModes(memory_.lastReading));
   memory_.started = 1.0;
 }
@@ -304,11 +238,9 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     decouple(frame, false);
   }
   observer_.refresh(m.observer);
-  JointRow acted = acting(0), reading{};
-  for (int j = 0; j < joints_; ++j) {
-    if (frame.applied) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];
-    reading[j] = frame.kinematics.q[j];
-  }
+  JointRow acted = acting(0), reading = readingOf(frame);
+  if (frame.applied)
+    for (int j = 0; j < joints_; ++j) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];
   const Lane command = toModes(acted), y = toModes(reading);
   for (int t = 0; t < ticks; ++t) {
     if (t > 0) observer_.merge(m.observer);
@@ -356,161 +288,27 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   observer_.advanceSensitivity(Lane{}, a.x, a.sensitivity);
   std::memcpy(a.next, a.x, sizeof a.next);
   observer_.advance(Lane{}, a.next);
-  JointRow reading{};
-  for (int j = 0; j < joints_; ++j) reading[j] = frame.kinematics.q[j];
-  a.now = toModes(reading);
-  a.seconds = (low_ + frame.age) * T;
   for (int d = 0; d < pending_; ++d) a.pending[d] = toModes(memory_.sent[d]);
-  observer_.law(a.x, a.pending, joints_, a.law);
-  a.inertia.fill(1.0);
-  for (int k = 0; k < joints_; ++k) a.inertia[k] = s.inertia[k] * scale + options_.drive.rotorInertia;
-}
-
-// Compliance of the controller along a row, m/N.
-template <int kMech>
-double PositionControlRenderer::ControllerOf<kMech>::complianceOf(const Ahead& a, const Lane& row) const noexcept {
-  double sum = 0.0;
-  for (int mode = 0; mode < joints_; ++mode) sum += row[mode] * row[mode] / a.law.stiffness[mode];
-  return sum;
-}
-
-// Collect the walls of this tick: those of the contacts, then those that vanished recently. The torque stays continuous
-// when contacts are not. Walls that appear or vanish move only as fast as the tool does plus what a tremor would cause.
-template <int kMech>
-int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame, const Ahead& a,
-                                                          Wall* walls) noexcept {
-  Memory& m = memory_;
-  const Kinematics& k = frame.kinematics;
-  const double T = options_.period, moves = k.twist.head<3>().norm();
-  JointRow moved{};
-  for (int j = 0; j < joints_; ++j) moved[j] = k.q[j] - m.lastReading[j];
-  for (int i = 0; i < static_cast<int>(m.walls); ++i) {  // updated to this tick
-    Wall& w = m.wall[i];
-    w.contact = -1.0;
-    w.gap -= w.speed * T;
-    for (int j = 0; j < joints_; ++j) w.gap += w.row[j] * moved[j];
+  PredictedModes& m = a.modes;
+  m = {};
+  m.axes = &memory_.axes;
+  m.count = joints_;
+  m.period = T;
+  m.handStep = memory_.step;
+  m.seconds = (low_ + frame.age) * T;
+  m.now = toModes(readingOf(frame));
+  m.readingVariance = s.readingVariance;
+  m.inertia.fill(1.0);
+  for (int k = 0; k < joints_; ++k) {
+    m.inertia[k] = s.inertia[k] * scale + options_.drive.rotorInertia;
+    const double rotor = kMech == 4 ? options_.drive.rotorInertia / m.inertia[k] : 0.0;
+    m.estimate[k] = s.mean[kLink][k];
+    m.place[k] = a.x[kLink][k];
+    m.rate[k] = a.x[kLink + 1][k];
+    m.next[k] = a.next[kLink][k];
+    m.nextRate[k] = (1.0 - rotor) * a.next[kLink + 1][k] + (kMech == 4 ? rotor * a.next[1][k] : 0.0);
   }
-  int count = 0;
-  for (int c = 0; c < frame.contacts.count; ++c) {
-    const Contact& contact = frame.contacts.contacts[c];
-    Wall& w = walls[count++];
-    w = Wall{};
-    w.row = frame.rows.row[c].normal;
-    for (int j = 0; j < joints_; ++j)
-      if (!(frame.maxTorque[j] > 0.0)) w.row[j] = 0.0;
-    w.gap = contact.gap;
-    w.speed = contact.normal.dot(contact.obstacleVelocity);
-    w.softness = 1.0 / contact.material.stiffness;
-    w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
-    w.contact = c;
-    double was = 0.0;  // a new wall begins at the tool
-    const auto end = m.wall.begin() + static_cast<int>(m.walls);
-    const auto before = std::find_if(m.wall.begin(), end, [&](const Wall& other) { return other.name == w.name; });
-    if (before != end) {
-      before->contact = c;
-      w.holds = before->holds;
-      was = before->gap;
-    }
-    const double way = kTremorShare * m.step * complianceOf(a, toModes(w.row)) + (moves + std::abs(w.speed)) * T;
-    w.gap = std::max(w.gap, was - way);
-  }
-  for (int i = 0; i < static_cast<int>(m.walls) && count < 2 * kMaxContacts; ++i) {
-    Wall w = m.wall[i];
-    if (w.contact >= 0.0) continue;
-    const Lane row = toModes(w.row);
-    const double soft = complianceOf(a, row) + w.softness;
-    double rate = 0.0, wouldBe = w.gap;
-    for (int mode = 0; mode < joints_; ++mode) {
-      rate += row[mode] * a.x[kLink + 1][mode];
-      wouldBe += row[mode] * (a.law.wouldBe[mode] - a.now[mode]);
-    }
-    const double along = std::sqrt(std::max(0.0, moves * moves - rate * rate));
-    const double step = kTremorShare * m.step * soft + kFades * along * T;
-    w.gap += step;
-    w.retreated += step;
-    if (w.retreated > m.step * soft && wouldBe + step > 0.0) continue;
-    walls[count++] = w;
-  }
-  return count;
-}
-
-template <int kMech>
-int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const Ahead& a, Wall* walls, int count,
-                                                               Target* targets) noexcept {
-  int placed = 0;
-  const double near = kNear * options_.scale;
-  for (int i = 0; i < count; ++i) {
-    Wall& w = walls[i];
-    Target& t = targets[placed];
-    t.row = toModes(w.row);
-    double next = w.gap - w.speed * (a.seconds + options_.period), gap = w.gap - w.speed * a.seconds, square = 0.0,
-           inverse = 0.0, lead = 0.0;
-    for (int k = 0; k < joints_; ++k) {
-      gap += t.row[k] * (a.law.wouldBe[k] - a.now[k]);
-      next += t.row[k] * (a.next[kLink][k] - a.now[k]);
-      inverse += t.row[k] * t.row[k] / a.inertia[k];
-      const double share = t.row[k] * t.row[k] / a.law.stiffness[k];
-      square += share;
-      lead += share * a.law.lead[k];
-    }
-    if (gap > 0.0 || !(square > 0.0) || next > near + reboundOf(memory_.step, 1.0 / inverse, readingStep(w.row)))
-      w.holds = 0.0;
-    else if (next <= near)
-      w.holds = 1.0;
-    if (w.holds == 0.0) continue;
-    t.gap = gap - w.speed * lead / square;
-    t.size = std::sqrt(square);
-    t.compliance = w.softness / square;
-    t.wall = i;
-    ++placed;
-  }
-  return placed;
-}
-
-// Forces, N, that move the modes from where the hand would take them to the nearest point of the free space. If walls
-// contradict each other, all of them give way by twice the least retreat.
-template <int kMech>
-void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const Target* targets, int count,
-                                                           double* force) noexcept {
-  if (count == 1) {
-    force[0] = std::max(0.0, -targets[0].gap) / (targets[0].size * targets[0].size * (1.0 + targets[0].compliance));
-    return;
-  }
-  double G[kMaxWalls][kMaxWalls], h[kMaxWalls] = {};
-  const double give = 1.0 / (kRetreat * kRetreat);
-  for (int i = 0; i < count; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      double v = 0.0;
-      for (int k = 0; k < joints_; ++k) v += targets[i].row[k] * targets[j].row[k] / a.law.stiffness[k];
-      G[i][j] = G[j][i] = v / (targets[i].size * targets[j].size) + give;
-    }
-    G[i][i] += targets[i].compliance;
-    h[i] = -targets[i].gap / targets[i].size * (1.0 + give) / (1.0 - give);
-  }
-  solveNonNegative(G, h, count, force);
-  double retreat = 0.0;
-  for (int i = 0; i < count; ++i) retreat += give * force[i];
-  for (int i = 0; i < count; ++i) {
-    for (int j = 0; j < count; ++j) G[i][j] -= give;
-    h[i] -= 2.0 * retreat;
-  }
-  solveNonNegative(G, h, count, force);
-  for (int i = 0; i < count; ++i) force[i] /= targets[i].size;
-}
-
-// Distance that a push moves a mass before a command answers: unseen for half an encoder step, then for the delay.
-template <int kMech>
-double PositionControlRenderer::ControllerOf<kMech>::reboundOf(double push, double mass, double step) const noexcept {
-  const double unseen = std::sqrt(0.5 * step), late = reaction_ * std::sqrt(0.5 * push / mass);
-  return (unseen + late) * (unseen + late);
-}
-
-// Step of the reading along a row of the joints.
-template <int kMech>
-double PositionControlRenderer::ControllerOf<kMech>::readingStep(const JointRow& row) const noexcept {
-  double square = 0.0;
-  for (int j = 0; j < joints_; ++j) square += row[j] * options_.encoderStep[j] * row[j] * options_.encoderStep[j];
-  return std::sqrt(square);
+  observer_.law(a.x, a.pending, joints_, m.law);
 }
 
 // Largest force along a row of the modes that does not throw the tool out. The push must stop the outward motion within
@@ -522,12 +320,12 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
                                                                  double speed, double depth) noexcept {
   const double T = options_.period;
   double inverse = 0.0;
-  for (int k = 0; k < joints_; ++k) inverse += row[k] * row[k] / a.inertia[k];
+  for (int k = 0; k < joints_; ++k) inverse += row[k] * row[k] / a.modes.inertia[k];
   const double mass = 1.0 / inverse;
   States outward{}, push{};  // rows that give the speed and the push from the present states
   for (int k = 0; k < joints_; ++k) {
-    push[kPush][k] = -row[k] / a.inertia[k] * mass;
-    const double rotor = kMech == 4 ? options_.drive.rotorInertia / a.inertia[k] : 0.0;
+    push[kPush][k] = -row[k] / a.modes.inertia[k] * mass;
+    const double rotor = kMech == 4 ? options_.drive.rotorInertia / a.modes.inertia[k] : 0.0;
     if (kMech == 4) outward[1][k] = row[k] * rotor;
     outward[kLink + 1][k] = row[k] * (1.0 - rotor);
   }
@@ -543,15 +341,15 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
              uncertain = observer_.moments(memory_.observer, outward);
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
-  const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass, step) * sure / mass),
-               comesOut = std::min(depth / kGrowthTime, memory_.step * reaction_ / mass);
+  const double rebound = std::sqrt(2.0 * rebound_.distance(std::min(sure, memory_.step), mass, step) * sure / mass),
+               comesOut = std::min(depth / kGrowthTime, memory_.step * rebound_.reaction / mass);
   // Largest change of speed z by this command for which speed + z plus its deviations stays below a limit. The
   // deviations are that of the present speed, and that of ln(mass) times (byMass - h z).
   // The pending commands that may act later, above the push that they meet: as often as is likely.
   double other = 0.0;
   for (int d = 0; d < pending_; ++d) {
     double sum = 0.0;
-    for (int k = 0; k < joints_; ++k) sum += row[k] * a.pending[d][k] / a.inertia[k] * mass;
+    for (int k = 0; k < joints_; ++k) sum += row[k] * a.pending[d][k] / a.modes.inertia[k] * mass;
     speed += (sum - sure) * T / mass * (pending_ - d) / (pending_ + 1);
     other += sum / pending_;
   }
@@ -588,11 +386,8 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
   speed /= total;
   depth /= total;
   for (int k = 0; k < kLanes; ++k) row[k] /= total;
-  for (int k = 0; k < joints_; ++k) {
-    const double rotor = kMech == 4 ? options_.drive.rotorInertia / a.inertia[k] : 0.0;
-    speed += row[k] * ((1.0 - rotor) * a.next[kLink + 1][k] + (kMech == 4 ? rotor * a.next[1][k] : 0.0));
-  }
-  const JointRow joint = toJoints(row);
+  for (int k = 0; k < joints_; ++k) speed += row[k] * a.modes.nextRate[k];
+  const JointRow joint = a.modes.toJoints(row);
   for (int j = 0; j < joints_; ++j)
     if (frame.maxTorque[j] > 0.0 && joint[j] != 0.0) {
       const double left =
@@ -600,67 +395,9 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
       most = std::min(most, std::max(0.0, left) / std::abs(joint[j]));
     }
   if (!(most > 0.0)) return 0.0;
-  const double asked = std::min(total, largestSafe(a, row, readingStep(normal) / total, speed, depth));
+  const double asked = std::min(total, largestSafe(a, row, rebound_.readingStep(normal) / total, speed, depth));
   output.saturated = asked > most;
   return std::min(asked, most) / total;
-}
-
-// Friction torque at the contacts. Its limit uses the force that balances the hand's push; the commanded one chatters.
-template <int kMech>
-JointRow PositionControlRenderer::ControllerOf<kMech>::frictionOf(const TickFrame& frame, const Ahead& a,
-                                                                  const Target* targets, const Wall* walls, int count,
-                                                                  const double* force) noexcept {
-  const Kinematics& k = frame.kinematics;
-  JointRow torque{}, moved{}, coming{}, rates{};
-  Lane way{}, rate{}, seen{};
-  for (int mode = 0; mode < joints_; ++mode) {
-    way[mode] = a.x[kLink][mode] - memory_.observer.mean[kLink][mode];
-    seen[mode] = memory_.observer.mean[kLink][mode];
-    rate[mode] = a.x[kLink + 1][mode];
-  }
-  coming = toJoints(way);
-  rates = toJoints(rate);
-  const JointRow estimate = toJoints(seen);
-  for (int j = 0; j < joints_; ++j) moved[j] = estimate[j] - memory_.lastEstimate[j];
-  memory_.lastEstimate = estimate;
-  const auto motionOf = [&](const JointRow& v) {
-    Vec6 motion = Vec6::Zero();
-    for (int j = 0; j < joints_; ++j) motion += k.jacobian.col(j) * v[j];
-    return motion;
-  };
-  const Vec6 way6 = motionOf(moved), ahead6 = motionOf(coming), velocity6 = motionOf(rates);
-  memory_.friction.begin();
-  for (int c = 0; c < frame.contacts.count; ++c) {
-    const Contact& contact = frame.contacts.contacts[c];
-    if (!(contact.material.friction > 0.0)) continue;
-    double normal = 0.0;
-    for (int i = 0; i < count; ++i)
-      if (walls[targets[i].wall].contact == c) normal = force[i];
-    const ContactRow& row = frame.rows.row[c];
-    const Lane first = toModes(row.tangent[0]), second = toModes(row.tangent[1]);
-    double aa = 0.0, ab = 0.0, bb = 0.0, lead = 0.0, rounding = 0.0;
-    for (int mode = 0; mode < joints_; ++mode) {
-      const double soft = 1.0 / a.law.stiffness[mode];
-      aa += first[mode] * first[mode] * soft;
-      ab += first[mode] * second[mode] * soft;
-      bb += second[mode] * second[mode] * soft;
-      lead += (first[mode] * first[mode] + second[mode] * second[mode]) * soft * a.law.lead[mode];
-      rounding +=
-          0.5 * (first[mode] * first[mode] + second[mode] * second[mode]) * memory_.observer.readingVariance[mode];
-    }
-    const double softest = 0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab);
-    const TangentialGains gains{kStick / softest, std::sqrt(kStick) * lead / (aa + bb) / softest,
-                                std::sqrt(12.0 * rounding)};
-    const Vec3 arm = contact.point - k.pose.position;
-    const SurfaceMotion slide{translationAt(way6, arm) - options_.period * contact.obstacleVelocity,
-                              translationAt(ahead6, arm) - a.seconds * contact.obstacleVelocity,
-                              translationAt(velocity6, arm) - contact.obstacleVelocity};
-    const Vec3 held = memory_.friction.force(contact, slide, gains, normal);
-    for (int j = 0; j < joints_; ++j)
-      torque[j] += row.axes.col(0).dot(held) * row.tangent[0][j] + row.axes.col(1).dot(held) * row.tangent[1][j];
-  }
-  memory_.friction.end();
-  return torque;
 }
 
 template <int kMech>
@@ -688,22 +425,24 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   Ahead a;
   predict(frame, a);
   double sum = 0.0;
-  for (int k = 0; k < n; ++k) sum += a.next[kLink][k] + a.law.wouldBe[k];
+  for (int k = 0; k < n; ++k) sum += a.modes.next[k] + a.modes.law.wouldBe[k];
   if (!std::isfinite(sum)) return Status::notFinite;
-  Wall walls[2 * kMaxContacts];
-  Target targets[2 * kMaxContacts];
+  Wall walls[kMostWalls];
+  Target targets[kMostWalls];
   double force[kMaxWalls] = {};
-  const int count = collect(frame, a, walls), placed = placeTargets(a, walls, count, targets);
-  m.walls = count;
-  std::copy_n(walls, count, m.wall.begin());
-  if (placed > 0) project(a, targets, placed, force);
+  const double near = kNear * options_.scale;
+  const int count = collectWalls(frame, a.modes, m.lastReading, kTremorShare * m.step, m.walls, walls),
+            placed = placeTargets(a.modes, rebound_, near, walls, count, targets);
+  m.walls.count = count;
+  std::copy_n(walls, count, m.walls.wall.begin());
+  if (placed > 0) contactForces(a.modes, targets, placed, force);
   JointRow torque{};
   m.merged = 0.0;
   for (int i = 0; i < placed; ++i) m.merged += force[i] > 0.0 ? 0.0 : 1.0;
   output.mode = RenderMode::free;
   output.normalForce = 0.0;
   for (int c = 0; c < frame.contacts.count; ++c)
-    if (walls[c].gap <= kNear * options_.scale) output.mode = RenderMode::contact;
+    if (walls[c].gap <= near) output.mode = RenderMode::contact;
   const double given = share(frame, a, walls, targets, placed, force, output);
   for (int i = 0; i < placed; ++i) {
     force[i] *= given;
@@ -712,14 +451,14 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
     if (w.contact == 0.0) output.normalForce = force[i];
     for (int j = 0; j < n; ++j) torque[j] += force[i] * w.row[j];
   }
-  const JointRow held = frictionOf(frame, a, targets, walls, placed, force);
+  const JointRow held = frictionTorque(frame, a.modes, targets, walls, placed, force, m.lastEstimate, m.friction);
   output.torque.resize(n);
   for (int j = 0; j < n; ++j) {
     if (!std::isfinite(torque[j] + held[j])) return Status::notFinite;
     output.torque[j] = kin.gravity[j] + torque[j] + held[j];
-    m.lastReading[j] = kin.q[j];
   }
   output.saturated = saturate(output.torque, kin.gravity, frame.maxTorque) || output.saturated;
+  m.lastReading = readingOf(frame);
   m.lastNormal = output.normalForce;
   for (int i = kMaxLoopDelay; i > 0; --i) m.sent[i] = m.sent[i - 1];
   for (int j = 0; j < n; ++j) m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] : 0.0;
@@ -727,33 +466,8 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
 }
 
 PositionControlRenderer::PositionControlRenderer(const PositionControlOptions& options) : period_(options.period) {
-  const auto refuse = [](const std::string& what) { throw Error("position control: " + what); };
-  const JointVector& step = options.encoderStep;
-  if (step.size() < 1 || step.size() > kMaxJoints)
-    refuse(std::to_string(step.size()) + " encoder steps, must be 1 to " + std::to_string(kMaxJoints));
-  for (Eigen::Index j = 0; j < step.size(); ++j)
-    if (!(step[j] > 0.0 && std::isfinite(step[j])))
-      refuse("encoder step " + std::to_string(j) + " is " + formatNumber(step[j]) + ", must be positive");
-  const JointVector& effort = options.effort;
-  if (effort.size() != step.size())
-    refuse(std::to_string(effort.size()) + " largest torques, must be one for each encoder step");
-  for (Eigen::Index j = 0; j < effort.size(); ++j)
-    if (!(effort[j] >= 0.0))
-      refuse("largest torque " + std::to_string(j) + " is " + formatNumber(effort[j]) + ", must be 0 or more");
-  if (options.delayLow < 0 || options.delayLow > options.delayHigh || options.delayHigh > kMaxLoopDelay)
-    refuse("delay is " + std::to_string(options.delayLow) + " to " + std::to_string(options.delayHigh) +
-           " ticks, must be within 0 to " + std::to_string(kMaxLoopDelay) + ", the smallest first");
-  if (!(options.period >= 1e-5 && options.period <= 0.1))
-    refuse("period is " + formatNumber(options.period) + " s, must be in 1e-5 to 0.1 s");
-  if (!(options.scale > 0.0 && std::isfinite(options.scale)))
-    refuse("scale is " + formatNumber(options.scale) + ", must be positive and finite");
-  const Drive& d = options.drive;
-  for (const double number : {d.bandwidth, d.rotorInertia, d.stiffness, d.damping, d.disturbance})
-    if (!(number >= 0.0 && std::isfinite(number)))
-      refuse("a parameter of the drive is " + formatNumber(number) + ", must be zero or positive");
-  if (d.stiffness > 0.0 && !(d.rotorInertia > 0.0))
-    refuse("a cable stiffness of " + formatNumber(d.stiffness) + " requires a rotor inertia greater than 0");
-  if (d.stiffness > 0.0)
+  checkPositionControl(options);
+  if (options.drive.stiffness > 0.0)
     controller_ = std::make_unique<ControllerOf<4>>(options);
   else
     controller_ = std::make_unique<ControllerOf<2>>(options);

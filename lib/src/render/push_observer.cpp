@@ -216,7 +216,7 @@ void PushObserver<kMech>::advanceSensitivity(const Lane& command, const States& 
 }
 
 template <int kMech>
-void PushObserver<kMech>::law(const States& x, const Lane* pending, int modes, Law& law) const noexcept {
+void PushObserver<kMech>::law(const States& x, const Lane* pending, int modes, ControlLaw& law) const noexcept {
   law.stiffness.fill(1.0);
   law.lead.fill(0.0);
   law.wouldBe.fill(0.0);

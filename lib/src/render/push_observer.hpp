@@ -19,6 +19,12 @@ namespace enamel {
 
 using Lane = std::array<double, kLanes>;
 
+/// Law of the controller: each mode's torque is stiffness (target - wouldBe). wouldBe is the place to which the hand
+/// would move the mode; `lead` are the seconds of speed in it.
+struct ControlLaw {
+  Lane stiffness, lead, wouldBe;
+};
+
 template <int kMech>
 class PushObserver {
  public:
@@ -98,13 +104,9 @@ class PushObserver {
   const double (&commandSensitivity(int i) const noexcept)[kLanes] {
     return model_.slope[ModeTable<kMech>::kCommandAt + i];
   }
-  /// Return the law of the controller: each mode's torque is stiffness (target - wouldBe). wouldBe is the place to
-  /// which the hand would move the mode; `lead` are the seconds of speed in it. x: states delayLow ticks after the last
-  /// sample. `pending`: older commands that may act then, newest first.
-  struct Law {
-    Lane stiffness, lead, wouldBe;
-  };
-  void law(const States& x, const Lane* pending, int modes, Law& law) const noexcept;
+  /// Return the law at the states x, delayLow ticks after the last sample. `pending`: older commands that may act then,
+  /// newest first.
+  void law(const States& x, const Lane* pending, int modes, ControlLaw& law) const noexcept;
   /// Convert a linear function of the states a tick later to one of the present states.
   void pullBack(States& row) const noexcept;
   /// Return mean and standard deviation of a linear function of the states.

@@ -147,7 +147,7 @@ std::vector<LinearLoop::Wall::Mode> LinearLoop::Wall::modesOf(const ControlledMo
   observer.reload(rest.front());
   const Mode none{0.0, 0.0, MatrixXd(kSeen, kSeen), MatrixXd(kSeen, 1), MatrixXd(1, kSeen), {}};
   std::vector<Mode> modes(static_cast<std::size_t>(m.count), none);
-  typename Observer::Law law;
+  ControlLaw law;
   for (int i = 0; i <= kSeen; ++i) {
     typename Observer::States x = {};
     Lane command{};

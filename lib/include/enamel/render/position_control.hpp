@@ -40,6 +40,17 @@ struct PositionControlOptions {
 /// Return options for a device. Realtime: yes.
 PositionControlOptions positionControlFor(const Mechanism& mechanism, double period, int delayLow, int delayHigh);
 
+/// Check options. Throws Error in these cases:
+///
+/// - the number of encoder steps is outside 1 to kMaxJoints, or a step is not positive and finite;
+/// - the number of efforts differs from it, or one is negative;
+/// - a delay is outside 0 to kMaxLoopDelay, or delayLow is above delayHigh;
+/// - the period is outside 1e-5 to 0.1 s, or the scale is not positive and finite;
+/// - a number of the drive is negative or not finite, or a cable has no rotor.
+///
+/// Realtime: no.
+void checkPositionControl(const PositionControlOptions& options);
+
 /// Estimates and counters of position control.
 struct PositionControlState {
   double mass = 1.0;       ///< estimated mass of the links over the model's
@@ -52,13 +63,7 @@ struct PositionControlState {
 /// The renderer of position control. The mechanism must have as many joints as there are encoder steps.
 class PositionControlRenderer final : public Renderer {
  public:
-  /// Throws Error in these cases:
-  ///
-  /// - the number of encoder steps is outside 1 to kMaxJoints, or a step is not positive and finite;
-  /// - a delay is outside 0 to kMaxLoopDelay, or delayLow is above delayHigh;
-  /// - the period is outside 1e-5 to 0.1 s, or the scale is not positive and finite;
-  /// - a number of the drive is negative or not finite, or a cable has no rotor;
-  /// - at activate(): the period differs from `period`.
+  /// Throws Error as checkPositionControl(), and activate() if its period differs from `period`.
   explicit PositionControlRenderer(const PositionControlOptions& options);
   ~PositionControlRenderer() override;
 

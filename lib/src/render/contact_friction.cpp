@@ -1,0 +1,61 @@
+#include <cmath>
+
+#include "render/contact_walls.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kStick = 0.5;  // of the stiffness along the surface: encoder steps that are felt against creep
+
+}  // namespace
+
+JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, const Target* targets, const Wall* walls,
+                        int count, const double* force, JointRow& lastEstimate, FrictionMemory& memory) noexcept {
+  const Kinematics& k = frame.kinematics;
+  JointRow torque{}, moved{};
+  Lane coming{};
+  for (int mode = 0; mode < modes.count; ++mode) coming[mode] = modes.place[mode] - modes.estimate[mode];
+  const JointRow estimate = modes.toJoints(modes.estimate);
+  for (int j = 0; j < modes.count; ++j) moved[j] = estimate[j] - lastEstimate[j];
+  lastEstimate = estimate;
+  const auto motionOf = [&](const JointRow& v) {
+    Vec6 motion = Vec6::Zero();
+    for (int j = 0; j < modes.count; ++j) motion += k.jacobian.col(j) * v[j];
+    return motion;
+  };
+  const Vec6 way6 = motionOf(moved), ahead6 = motionOf(modes.toJoints(coming)),
+             velocity6 = motionOf(modes.toJoints(modes.rate));
+  memory.begin();
+  for (int c = 0; c < frame.contacts.count; ++c) {
+    const Contact& contact = frame.contacts.contacts[c];
+    if (!(contact.material.friction > 0.0)) continue;
+    double normal = 0.0;
+    for (int i = 0; i < count; ++i)
+      if (walls[targets[i].wall].contact == c) normal = force[i];
+    const ContactRow& row = frame.rows.row[c];
+    const Lane first = modes.toModes(row.tangent[0]), second = modes.toModes(row.tangent[1]);
+    double aa = 0.0, ab = 0.0, bb = 0.0, lead = 0.0, rounding = 0.0;
+    for (int mode = 0; mode < modes.count; ++mode) {
+      const double soft = 1.0 / modes.law.stiffness[mode];
+      aa += first[mode] * first[mode] * soft;
+      ab += first[mode] * second[mode] * soft;
+      bb += second[mode] * second[mode] * soft;
+      lead += (first[mode] * first[mode] + second[mode] * second[mode]) * soft * modes.law.lead[mode];
+      rounding += 0.5 * (first[mode] * first[mode] + second[mode] * second[mode]) * modes.readingVariance[mode];
+    }
+    const double softest = 0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab);
+    const TangentialGains gains{kStick / softest, std::sqrt(kStick) * lead / (aa + bb) / softest,
+                                std::sqrt(12.0 * rounding)};
+    const Vec3 arm = contact.point - k.pose.position;
+    const SurfaceMotion slide{translationAt(way6, arm) - modes.period * contact.obstacleVelocity,
+                              translationAt(ahead6, arm) - modes.seconds * contact.obstacleVelocity,
+                              translationAt(velocity6, arm) - contact.obstacleVelocity};
+    const Vec3 held = memory.force(contact, slide, gains, normal);
+    for (int j = 0; j < modes.count; ++j)
+      torque[j] += row.axes.col(0).dot(held) * row.tangent[0][j] + row.axes.col(1).dot(held) * row.tangent[1][j];
+  }
+  memory.end();
+  return torque;
+}
+
+}  // namespace enamel

@@ -1,0 +1,147 @@
+#include "render/contact_walls.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace enamel {
+namespace {
+
+constexpr double kRetreat = 50.0;  // 1 / kRetreat^2: how far contradicting walls give way to force
+constexpr double kFades = 0.1;     // share of the speed along a wall at which a vanished wall retreats
+
+// Compliance of the controller along a row, m/N.
+double complianceOf(const PredictedModes& modes, const Lane& row) noexcept {
+  double sum = 0.0;
+  for (int mode = 0; mode < modes.count; ++mode) sum += row[mode] * row[mode] / modes.law.stiffness[mode];
+  return sum;
+}
+
+}  // namespace
+
+double Rebound::distance(double push, double mass, double step) const noexcept {
+  const double unseen = std::sqrt(0.5 * step), late = reaction * std::sqrt(0.5 * push / mass);
+  return (unseen + late) * (unseen + late);
+}
+
+double Rebound::readingStep(const JointRow& row) const noexcept {
+  double square = 0.0;
+  for (Eigen::Index j = 0; j < encoderStep.size(); ++j) square += row[j] * encoderStep[j] * row[j] * encoderStep[j];
+  return std::sqrt(square);
+}
+
+int collectWalls(const TickFrame& frame, const PredictedModes& modes, const JointRow& lastReading, double tremor,
+                 WallMemory& memory, Wall* walls) noexcept {
+  const Kinematics& k = frame.kinematics;
+  const double T = modes.period, moves = k.twist.head<3>().norm();
+  JointRow moved{};
+  for (int j = 0; j < modes.count; ++j) moved[j] = k.q[j] - lastReading[j];
+  for (int i = 0; i < static_cast<int>(memory.count); ++i) {  // updated to this tick
+    Wall& w = memory.wall[i];
+    w.contact = -1.0;
+    w.gap -= w.speed * T;
+    for (int j = 0; j < modes.count; ++j) w.gap += w.row[j] * moved[j];
+  }
+  int count = 0;
+  for (int c = 0; c < frame.contacts.count; ++c) {
+    const Contact& contact = frame.contacts.contacts[c];
+    Wall& w = walls[count++];
+    w = Wall{};
+    w.row = frame.rows.row[c].normal;
+    for (int j = 0; j < modes.count; ++j)
+      if (!(frame.maxTorque[j] > 0.0)) w.row[j] = 0.0;
+    w.gap = contact.gap;
+    w.speed = contact.normal.dot(contact.obstacleVelocity);
+    w.softness = 1.0 / contact.material.stiffness;
+    w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
+    w.contact = c;
+    double was = 0.0;  // a new wall begins at the tool
+    const auto end = memory.wall.begin() + static_cast<int>(memory.count);
+    const auto before = std::find_if(memory.wall.begin(), end, [&](const Wall& other) { return other.name == w.name; });
+    if (before != end) {
+      before->contact = c;
+      w.holds = before->holds;
+      was = before->gap;
+    }
+    const double way = tremor * complianceOf(modes, modes.toModes(w.row)) + (moves + std::abs(w.speed)) * T;
+    w.gap = std::max(w.gap, was - way);
+  }
+  for (int i = 0; i < static_cast<int>(memory.count) && count < kMostWalls; ++i) {
+    Wall w = memory.wall[i];
+    if (w.contact >= 0.0) continue;
+    const Lane row = modes.toModes(w.row);
+    const double soft = complianceOf(modes, row) + w.softness;
+    double rate = 0.0, wouldBe = w.gap;
+    for (int mode = 0; mode < modes.count; ++mode) {
+      rate += row[mode] * modes.rate[mode];
+      wouldBe += row[mode] * (modes.law.wouldBe[mode] - modes.now[mode]);
+    }
+    const double along = std::sqrt(std::max(0.0, moves * moves - rate * rate));
+    const double step = tremor * soft + kFades * along * T;
+    w.gap += step;
+    w.retreated += step;
+    if (w.retreated > modes.handStep * soft && wouldBe + step > 0.0) continue;
+    walls[count++] = w;
+  }
+  return count;
+}
+
+int placeTargets(const PredictedModes& modes, const Rebound& rebound, double near, Wall* walls, int count,
+                 Target* targets) noexcept {
+  int placed = 0;
+  for (int i = 0; i < count; ++i) {
+    Wall& w = walls[i];
+    Target& t = targets[placed];
+    t.row = modes.toModes(w.row);
+    double next = w.gap - w.speed * (modes.seconds + modes.period), gap = w.gap - w.speed * modes.seconds, square = 0.0,
+           inverse = 0.0, lead = 0.0;
+    for (int k = 0; k < modes.count; ++k) {
+      gap += t.row[k] * (modes.law.wouldBe[k] - modes.now[k]);
+      next += t.row[k] * (modes.next[k] - modes.now[k]);
+      inverse += t.row[k] * t.row[k] / modes.inertia[k];
+      const double share = t.row[k] * t.row[k] / modes.law.stiffness[k];
+      square += share;
+      lead += share * modes.law.lead[k];
+    }
+    if (gap > 0.0 || !(square > 0.0) ||
+        next > near + rebound.distance(modes.handStep, 1.0 / inverse, rebound.readingStep(w.row)))
+      w.holds = 0.0;
+    else if (next <= near)
+      w.holds = 1.0;
+    if (w.holds == 0.0) continue;
+    t.gap = gap - w.speed * lead / square;
+    t.size = std::sqrt(square);
+    t.compliance = w.softness / square;
+    t.wall = i;
+    ++placed;
+  }
+  return placed;
+}
+
+void contactForces(const PredictedModes& modes, const Target* targets, int count, double* force) noexcept {
+  if (count == 1) {
+    force[0] = std::max(0.0, -targets[0].gap) / (targets[0].size * targets[0].size * (1.0 + targets[0].compliance));
+    return;
+  }
+  double G[kMaxWalls][kMaxWalls], h[kMaxWalls] = {};
+  const double give = 1.0 / (kRetreat * kRetreat);
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double v = 0.0;
+      for (int k = 0; k < modes.count; ++k) v += targets[i].row[k] * targets[j].row[k] / modes.law.stiffness[k];
+      G[i][j] = G[j][i] = v / (targets[i].size * targets[j].size) + give;
+    }
+    G[i][i] += targets[i].compliance;
+    h[i] = -targets[i].gap / targets[i].size * (1.0 + give) / (1.0 - give);
+  }
+  solveNonNegative(G, h, count, force);
+  double retreat = 0.0;
+  for (int i = 0; i < count; ++i) retreat += give * force[i];
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j < count; ++j) G[i][j] -= give;
+    h[i] -= 2.0 * retreat;
+  }
+  solveNonNegative(G, h, count, force);
+  for (int i = 0; i < count; ++i) force[i] /= targets[i].size;
+}
+
+}  // namespace enamel
