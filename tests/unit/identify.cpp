@@ -121,7 +121,11 @@ TEST_CASE("the simulation of a fit moves as the imperfect plant", "[identify]") 
       model.sine[i] = device.built.cogging[i] * std::cos(phase);
       model.cosine[i] = device.built.cogging[i] * std::sin(phase);
     }
-    const auto simulated = identify::simulate(model, motion, identify::observerFor(model, 1e-3), 0, motion.ticks());
+    const identify::Observer observer = identify::observerFor(model, 1e-3);
+    const ImperfectDevice built = identify::deviceOf(model);
+    const identify::PathDynamics path =
+        identify::dynamicsAlong(*built.mechanism, motion.reading.colwise() - Eigen::VectorXd(built.offset), 1e-3, 4, 2);
+    const auto simulated = identify::simulate(model, path, motion, observer, 0, motion.ticks());
     CHECK(simulated.restarts == 0);
     const JointVector step = device.built.mechanism->limits().encoderStep;
     for (int i = 0; i < 3; ++i) {
