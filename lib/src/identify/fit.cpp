@@ -143,21 +143,23 @@ Fit::Residuals Fit::corrected(const Eigen::VectorXd& at, int& left) {
   return all;
 }
 
-// The change with an unknown: on both sides, if both are possible devices.
+// The change with an unknown: on both sides of x if both are possible devices, and from x if the mechanism changes.
 ModelChange Fit::changeOf(std::size_t i) const {
   ModelChange change{model(), model(), 0.0};
   for (const double step : {kStep, -kStep}) {
     Eigen::VectorXd moved = x;
     moved[static_cast<Eigen::Index>(i)] += step;
-    if (moved[static_cast<Eigen::Index>(i)] < unknowns_[i].least()) continue;
+    if (moved[static_cast<Eigen::Index>(i)] < unknowns_[i].least() || (!unknowns_[i].isOfDrives && change.width > 0.0))
+      continue;
     DeviceModel model = modelAt(reference_, unknowns_, moved);
     try {
       (void)deviceOf(model);
     } catch (const ConfigurationError&) {
       continue;
     }
-    (step > 0.0 ? change.after : change.before) = std::move(model);
-    change.width += kStep;
+    const bool isBefore = step < 0.0 && unknowns_[i].isOfDrives;
+    (isBefore ? change.before : change.after) = std::move(model);
+    change.width += isBefore ? -step : step;
   }
   if (change.width == 0.0)
     throw Error("the numbers of \"" + nameOf(reference_.device) + "\" are at the limit of possible devices");
@@ -170,7 +172,8 @@ void Fit::updateSlopes() {
   slopes_.assign(unknowns_.size(), {});
   std::vector<std::size_t> free;
   std::vector<ModelChange> changes;
-  std::vector<std::vector<PathDynamics>> slopes;  // of the paths
+  std::vector<std::vector<PathDynamics>> slopes;  // of the paths; they are small, so that half the knots do
+  const std::vector<PathDynamics> straight = pathsAt(here, 0.0, 2 * observer_.interval);
   for (std::size_t i = 0; i < unknowns_.size(); ++i) {
     if (isFixed[i] != 0) continue;
     free.push_back(i);
@@ -178,10 +181,9 @@ void Fit::updateSlopes() {
     slopes.emplace_back();
     slopes_[i].resize(pieces_.size());
     if (unknowns_[i].isOfDrives) continue;
-    slopes.back() = pathsAt(changes.back().after, 0.0, observer_.interval);
-    const std::vector<PathDynamics> before = pathsAt(changes.back().before, 0.0, observer_.interval);
+    slopes.back() = pathsAt(changes.back().after, 0.0, 2 * observer_.interval);
     for (std::size_t p = 0; p < pieces_.size(); ++p)
-      slopes.back()[p].knots = (slopes.back()[p].knots - before[p].knots) / changes.back().width;
+      slopes.back()[p].knots = (slopes.back()[p].knots - straight[p].knots) / changes.back().width;
   }
   const std::size_t groups = (free.size() + kLanes - 1) / kLanes;
   parallelFor(groups * pieces_.size(), threads_, [&](std::size_t task) {
@@ -192,8 +194,7 @@ void Fit::updateSlopes() {
                                    changes.begin() + static_cast<std::ptrdiff_t>(end));
     for (std::size_t k = begin; k < end; ++k)
       if (!slopes[k].empty()) group[k - begin].path = &slopes[k][p];
-    Simulated simulated =
-        simulate(here, paths[p], *piece.motion, observer_, piece.start, piece.first - piece.start + piece.count, group);
+    Simulated simulated = simulate(here, paths[p], *piece.motion, observer_, piece.start, piece.route.cols(), group);
     for (std::size_t k = begin; k < end; ++k) {
       Eigen::MatrixXd change = simulated.slopes[k - begin].rightCols(piece.count);
       interpolate(*piece.motion, piece.first, change);
@@ -442,8 +443,8 @@ Eigen::MatrixXd Fit::covariance() {
   return scale.asDiagonal() * jackknife * scale.asDiagonal();
 }
 
-// The error is of second order in the length of a part and of fourth order in the distance of knots, so that at most a
-// third of the change remains when both are halved.
+// The error is of second order in the length of a part and of fourth order in the distance of knots. When both are
+// halved, at most a third of the change remains.
 void Fit::refine() {
   const Eigen::VectorXd allowed = kIntegration * (floor_ / kFloor).cwiseSqrt();
   const DeviceModel here = model();
@@ -460,7 +461,7 @@ void Fit::refine() {
   Observer fine = observer_;
   for (fine.parts = kFineParts; !isFine && fine.parts <= kMostParts; fine.parts *= 2) {
     fine.substeps = 2 * fine.parts;
-    fine.interval = std::max(1, fine.interval / 2);
+    fine.interval = std::max(1, observer_.interval * kFineParts / (2 * fine.parts));
     Residuals now = residuals(simulateAll(here, fine, pathsAt(here, period(), fine.interval)));
     isFine = !before.empty();
     for (std::size_t p = 0; p < before.size(); ++p) {

@@ -163,7 +163,7 @@ class Device {
   Slopes readingSlopes() const { return (hasCables() ? rotorSlopes_ : linkSlopes_).angle + changed(kOffset); }
 
   // Freeze inertia and free acceleration for a part of a tick, `duration` s. They are those of its middle, `tick` ticks
-  // after the beginning of the path, if the acceleration continues. Returns false if there are none.
+  // after the beginning of the path, if the acceleration continues. Returns false if the device is out of reach.
   bool beginPart(double tick, double duration) {
     const Vector rate = link_.rate + 0.5 * duration * acceleration_;
     if (!(rate.norm() < kFastest)) return false;
@@ -299,51 +299,49 @@ class Device {
     link_.rate += h * acceleration_;
   }
 
-  // Kutta's step for rotors, cables and links.
+  // Kutta's step for rotors, cables and links. `slopesAt` gives the slopes of angles and rates in a stage.
+  template <typename Value, typename SlopesAt>
+  static void step(double h, Part<Value>& link, Part<Value>& rotor, const SlopesAt& slopesAt) {
+    const Part<Value> linkBegin = link, rotorBegin = rotor;
+    Part<Value> linkAt = link, rotorAt = rotor;
+    const double weights[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0}, ahead[4] = {0.5, 0.5, 1.0, 0.0};
+    for (int stage = 0; stage < 4; ++stage) {
+      Value pushed = Value::Zero(), turned = pushed;
+      slopesAt(stage, linkAt, rotorAt, pushed, turned);
+      const double share = weights[stage] * h, next = ahead[stage] * h;
+      link.angle += share * linkAt.rate;
+      link.rate += share * pushed;
+      rotor.angle += share * rotorAt.rate;
+      rotor.rate += share * turned;
+      linkAt = {linkBegin.angle + next * linkAt.rate, linkBegin.rate + next * pushed};
+      rotorAt = {rotorBegin.angle + next * rotorAt.rate, rotorBegin.rate + next * turned};
+    }
+  }
+
   void moveWithCables(double h, const Vector& motor) {
     const double stiffness = common(kStiffness), damping = common(kDamping), inertia = common(kRotor);
-    Part<Vector> link = link_, rotor = rotor_, linkSum, rotorSum, stretch;
-    const double weights[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0}, ahead[3] = {0.5, 0.5, 1.0};
-    for (int stage = 0; stage < 4; ++stage) {
-      const Vector along = rotor.angle - link.angle, rate = rotor.rate - link.rate,
-                   cable = stiffness * along + damping * rate;
-      const Vector pushed = falling_ + mobility_ * (cable - damping_ * link.rate), turned = (motor - cable) / inertia;
-      linkSum.angle += weights[stage] * link.rate;
-      linkSum.rate += weights[stage] * pushed;
-      rotorSum.angle += weights[stage] * rotor.rate;
-      rotorSum.rate += weights[stage] * turned;
-      stretch.angle += weights[stage] * along;
-      stretch.rate += weights[stage] * rate;
-      acceleration_ = pushed;
-      if (stage == 3) break;
-      const double step = ahead[stage] * h;
-      const Vector linkRate = link.rate, rotorRate = rotor.rate;
-      link = {link_.angle + step * linkRate, link_.rate + step * pushed};
-      rotor = {rotor_.angle + step * rotorRate, rotor_.rate + step * turned};
-    }
-    link_.angle += h * linkSum.angle;
-    link_.rate += h * linkSum.rate;
-    rotor_.angle += h * rotorSum.angle;
-    rotor_.rate += h * rotorSum.rate;
+    Part<Vector> stretch[4];
+    Vector turning[4] = {Vector::Zero(), Vector::Zero(), Vector::Zero(), Vector::Zero()};
+    const Part<Vector> begin = link_;
+    step(h, link_, rotor_,
+         [&](int i, const Part<Vector>& link, const Part<Vector>& rotor, Vector& pushed, Vector& turned) {
+           stretch[i] = {rotor.angle - link.angle, rotor.rate - link.rate};
+           const Vector cable = stiffness * stretch[i].angle + damping * stretch[i].rate;
+           pushed = falling_ + mobility_ * (cable - damping_ * link.rate);
+           turned = turning[i] = (motor - cable) / inertia;
+           acceleration_ = pushed;
+         });
     if (changes_.empty()) return;
-    // The mean torques of the step change. The step of linear equations is a series.
-    const Slopes cable = stretch.angle * changed(kStiffness) + stretch.rate * changed(kDamping);
-    Slopes push = cable - inertialSlopes(linkSum.rate) - linkSum.angle.asDiagonal() * changed(kViscous),
-           turn = (motorSlopes_ - cable - rotorSum.rate * changed(kRotor)) / inertia;
-    Part<Slopes> linkTerm = linkSlopes_, rotorTerm = rotorSlopes_;
-    for (int order = 1; order <= 4; ++order) {
-      const Slopes pull = stiffness * (rotorTerm.angle - linkTerm.angle) + damping * (rotorTerm.rate - linkTerm.rate);
-      push += pull - damping_.lazyProduct(linkTerm.rate);
-      turn -= pull / inertia;
-      const Slopes pushed = mobility_.lazyProduct(push);
-      const double share = h / order;
-      linkTerm = {share * linkTerm.rate, share * pushed};
-      rotorTerm = {share * rotorTerm.rate, share * turn};
-      linkSlopes_ = {linkSlopes_.angle + linkTerm.angle, linkSlopes_.rate + linkTerm.rate};
-      rotorSlopes_ = {rotorSlopes_.angle + rotorTerm.angle, rotorSlopes_.rate + rotorTerm.rate};
-      push.setZero();
-      turn.setZero();
-    }
+    const Slopes held = inertialSlopes((link_.rate - begin.rate) / h) +
+                        ((link_.angle - begin.angle) / h).asDiagonal() * changed(kViscous);  // means of the step
+    step(h, linkSlopes_, rotorSlopes_,
+         [&](int i, const Part<Slopes>& link, const Part<Slopes>& rotor, Slopes& pushed, Slopes& turned) {
+           const Slopes cable = stiffness * (rotor.angle - link.angle) + damping * (rotor.rate - link.rate) +
+                                stretch[i].angle * changed(kStiffness) + stretch[i].rate * changed(kDamping);
+           const Slopes torque = cable - damping_.lazyProduct(link.rate) - held;
+           pushed = mobility_.lazyProduct(torque);
+           turned = (motorSlopes_ - cable - turning[i] * changed(kRotor)) / inertia;
+         });
   }
 
   static constexpr double kPresliding = 2e-4;  // rad or m, of Dahl's friction, as ImperfectPlant
