@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/study/parallel.hpp"
 
@@ -82,6 +83,8 @@ void Fit::use(double begin, double end) {
                        motion.reading.middleCols(start, first - start + count).colwise() - Eigen::VectorXd(offset),
                        std::make_unique<Spectrum>(count, motion.period, bandwidth)});
   }
+  require(!pieces_.empty(), "the recordings have no motion of " + formatNumber(kTransient + kShortestPiece) +
+                                " s after the first " + formatNumber(begin) + " s: record longer");
 }
 
 // Throws ConfigurationError if no device has these numbers, for example a tensor that breaks the triangle inequality.
