@@ -263,7 +263,9 @@ class Saturating final : public Plant {
   }
 
  private:
-  static constexpr double kStep = 5e-5;  // s; its errors are far below the intervals
+  // s. With 5e-5 its errors bias a TAU: the intervals of one with 30 s of data hold 32 of 44 numbers, with this
+  // step 39.
+  static constexpr double kStep = 1.25e-5;
 
   ImperfectPlant plant_;
   double most_;

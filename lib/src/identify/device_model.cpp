@@ -24,6 +24,8 @@ class List {
  public:
   explicit List(const DeviceModel& model) : model_(model) {}
 
+  bool isOfDrives = false;  // of the next unknowns
+
   // A positive number that may be wrong by a factor.
   void factor(const std::string& key, const std::string& unit, Value value, double spread = kMassSpread) {
     const double reference = value(model_);
@@ -39,6 +41,7 @@ class List {
  private:
   Unknown& add(Unknown unknown) {
     unknowns_.push_back(std::move(unknown));
+    unknowns_.back().isOfDrives = isOfDrives;
     return unknowns_.back();
   }
 
@@ -155,8 +158,10 @@ void addDrive(List& list, const DeviceModel& model) {
   delay.isNonNegative = true;
   delay.isInFile = false;
   const bool turns = !isCartesian(model.device);
+  list.isOfDrives = model.hasCables();
   list.factor(turns ? "motor.rotor_inertia" : "rotor_mass", turns ? "kg m^2" : "kg",
               [](DeviceModel& m) -> double& { return rotorInertiaOf(m.device); });
+  list.isOfDrives = true;
   if (!model.hasCables()) return;
   list.factor(
       "imperfections.cable_stiffness", turns ? "N m/rad" : "N/m",
@@ -256,6 +261,7 @@ ImperfectDevice deviceOf(const DeviceModel& model) {
 std::vector<Unknown> unknownsOf(const DeviceModel& model) {
   List list(model);
   std::visit(AddMechanism{list}, model.device);
+  list.isOfDrives = true;
   const JointVector effort = makeMechanism(model.device)->limits().effort;
   addViscous(list, model, effort, isCartesian(model.device) ? "N s/m or N m s/rad" : "N m s/rad");
   addDrive(list, model);

@@ -60,7 +60,8 @@ struct Unknown {
   double scale = 0.0;   ///< 0: exponential
   double reference = 1.0;
   bool isNonNegative = false;
-  bool isInFile = true;  ///< `key` is a key of the device file
+  bool isInFile = true;    ///< `key` is a key of the device file
+  bool isOfDrives = true;  ///< it changes neither inertia nor gravity of the mechanism
 
   double at(double x) const noexcept;
   double slope(double x) const noexcept;  ///< of at()

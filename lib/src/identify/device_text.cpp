@@ -73,13 +73,10 @@ std::map<std::string, std::string> valuesOf(const Identification& result) {
     const std::string key = e.key.substr(0, e.key.find('['));
     values[key] = key == e.key ? rounded(e.value) : vectorOf(key, result.device);
   }
-  if (std::holds_alternative<CartesianParameters>(result.device)) {
-    values.erase("imperfections.periods");
-    values.erase("imperfections.torque_ripple");
-    return values;
-  }
   const Imperfections& e = imperfectionsOf(result.device);
-  values["imperfections.coulomb_friction"] = rounded(e.coulombFriction);
+  const auto* cartesian = std::get_if<CartesianParameters>(&result.device);
+  if (cartesian == nullptr || cartesian->axes == 3)
+    values["imperfections.coulomb_friction"] = rounded(e.coulombFriction);
   values["imperfections.current_bandwidth"] = rounded(e.currentBandwidth);
   values["imperfections.lost_samples"] = rounded(result.lostSamples);
   if (e.cogging > 0.0) values["imperfections.cogging"] = rounded(e.cogging);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/study/parallel.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 
 constexpr double kTransient = 0.5;      // s, skipped at the beginning of each piece
 constexpr double kShortestPiece = 1.0;  // s
-constexpr double kStep = 0.003;         // of x, for differences
+constexpr double kStep = 1e-3;          // of x, for the change of a model
 constexpr double kRelative = 0.05;      // residual that counts as noise, of the reading's power: far from the device
 constexpr double kFloor = 0.3;          // of the power of rounding
 constexpr double kBlock = 1.0;          // s, long against the observer's memory of 0.1 s
@@ -65,6 +66,8 @@ void Fit::use(double begin, double end) {
   slopes_.clear();
   correction_.clear();
   baseAt_.resize(0);
+  pathsAt_.resize(0);
+  const JointVector offset = deviceOf(model()).offset;
   double passed = 0.0;  // s, at the beginning of a motion
   for (const RecordedMotion& motion : motions_) {
     const auto tickAt = [&](double time) {
@@ -76,60 +79,132 @@ void Fit::use(double begin, double end) {
     passed += static_cast<double>(motion.ticks()) * motion.period;
     if (static_cast<double>(count) * motion.period < kShortestPiece) continue;
     const double bandwidth = kBandwidth / (static_cast<double>(count) * motion.period);
-    pieces_.push_back({&motion, start, first, count, std::make_unique<Spectrum>(count, motion.period, bandwidth)});
+    pieces_.push_back({&motion, start, first, count,
+                       motion.reading.middleCols(start, first - start + count).colwise() - Eigen::VectorXd(offset),
+                       std::make_unique<Spectrum>(count, motion.period, bandwidth)});
   }
+  require(!pieces_.empty(), "the recordings have no motion of " + formatNumber(kTransient + kShortestPiece) +
+                                " s after the first " + formatNumber(begin) + " s: record longer");
 }
 
-// Empty if no device has these numbers, for example a tensor that breaks the triangle inequality.
-Fit::Residuals Fit::residuals(const Eigen::VectorXd& at, const Observer& observer, int& left) const {
-  const DeviceModel model = modelAt(reference_, unknowns_, at);
+// Throws ConfigurationError if no device has these numbers, for example a tensor that breaks the triangle inequality.
+std::vector<PathDynamics> Fit::pathsAt(const DeviceModel& model, double period, int interval) const {
+  const std::shared_ptr<const Mechanism> mechanism = deviceOf(model).mechanism;
+  std::vector<PathDynamics> paths;
+  for (const Piece& piece : pieces_)
+    paths.push_back(dynamicsAlong(*mechanism, piece.route, period, interval, threads_));
+  return paths;
+}
+
+// They are kept while only numbers of the drives change.
+const std::vector<PathDynamics>& Fit::pathsAt(const Eigen::VectorXd& at, const DeviceModel& model) {
+  bool isSame = pathsAt_.size() > 0;
+  for (std::size_t i = 0; i < unknowns_.size() && isSame; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    isSame = unknowns_[i].isOfDrives || at[k] == pathsAt_[k];
+  }
+  if (isSame) return paths_;
+  pathsAt_.resize(0);
+  paths_ = pathsAt(model, period(), observer_.interval);
+  pathsAt_ = at;
+  return paths_;
+}
+
+std::vector<Simulated> Fit::simulateAll(const DeviceModel& model, const Observer& observer,
+                                        const std::vector<PathDynamics>& paths) const {
+  std::vector<Simulated> all(pieces_.size());
+  parallelFor(pieces_.size(), threads_, [&](std::size_t p) {
+    all[p] = simulate(model, paths[p], *pieces_[p].motion, observer, pieces_[p].start, pieces_[p].route.cols());
+  });
+  return all;
+}
+
+Fit::Residuals Fit::residuals(const std::vector<Simulated>& simulated) const {
   Residuals all;
-  left = 0;
-  try {
-    for (const Piece& piece : pieces_) {
-      const Simulated simulated =
-          simulate(model, *piece.motion, observer, piece.start, piece.first - piece.start + piece.count);
-      left += simulated.restarts;
-      Eigen::MatrixXd rows =
-          piece.motion->reading.middleCols(piece.first, piece.count) - simulated.reading.rightCols(piece.count);
-      interpolate(*piece.motion, piece.first, rows);
-      all.push_back(std::move(rows));
-    }
-  } catch (const ConfigurationError&) {
-    return {};
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    const Piece& piece = pieces_[p];
+    all.emplace_back(piece.motion->reading.middleCols(piece.first, piece.count) -
+                     simulated[p].reading.rightCols(piece.count));
+    interpolate(*piece.motion, piece.first, all.back());
   }
   return all;
 }
 
-// Forward differences, or central ones after refine(): numbers with nearly the same effect, such as lengths, offsets
-// and masses, need accurate differences between their slopes. Otherwise the fit believes to know them.
-void Fit::updateSlopes() {
-  const bool isCentral = !correction_.empty();
-  slopes_.assign(unknowns_.size(), {});
-  int leftHere;
-  const Residuals here = residuals(x, observer_, leftHere);
-  const auto at = [&](std::size_t i, double step) {
+// Residuals with the correction of refine(). Empty if no device has these numbers.
+Fit::Residuals Fit::corrected(const Eigen::VectorXd& at, int& left) {
+  const DeviceModel model = modelAt(reference_, unknowns_, at);
+  std::vector<Simulated> simulated;
+  try {
+    simulated = simulateAll(model, observer_, pathsAt(at, model));
+  } catch (const ConfigurationError&) {
+    return {};
+  }
+  left = 0;
+  for (const Simulated& each : simulated) left += each.restarts;
+  Residuals all = residuals(simulated);
+  for (std::size_t p = 0; p < correction_.size(); ++p) all[p] += correction_[p];
+  return all;
+}
+
+// The change with an unknown: on both sides of x if both are possible devices, and from x if the mechanism changes.
+ModelChange Fit::changeOf(std::size_t i) const {
+  ModelChange change{model(), model(), 0.0};
+  for (const double step : {kStep, -kStep}) {
     Eigen::VectorXd moved = x;
     moved[static_cast<Eigen::Index>(i)] += step;
-    int left;
-    return residuals(moved, observer_, left);
-  };
-  parallelFor(unknowns_.size(), threads_, [&](std::size_t i) {
-    if (isFixed[i] != 0) return;
-    Residuals after = at(i, kStep), before;
-    const bool isFree = x[static_cast<Eigen::Index>(i)] - kStep >= unknowns_[i].least();
-    if (after.empty() || (isCentral && isFree)) before = at(i, -kStep);
-    const double width = (after.empty() ? 0.0 : kStep) + (before.empty() ? 0.0 : kStep);
-    if (width == 0.0)
-      throw Error("the numbers of \"" + nameOf(reference_.device) + "\" are at the limit of possible devices");
-    if (after.empty()) after = here;
-    if (before.empty()) before = here;
-    for (std::size_t p = 0; p < pieces_.size(); ++p) {
-      const Eigen::MatrixXd change = (before[p] - after[p]) / width;
-      Eigen::MatrixXcf slope(pieces_[p].spectrum->frequencies().size(), change.rows());
+    if (moved[static_cast<Eigen::Index>(i)] < unknowns_[i].least() || (!unknowns_[i].isOfDrives && change.width > 0.0))
+      continue;
+    DeviceModel model = modelAt(reference_, unknowns_, moved);
+    try {
+      (void)deviceOf(model);
+    } catch (const ConfigurationError&) {
+      continue;
+    }
+    const bool isBefore = step < 0.0 && unknowns_[i].isOfDrives;
+    (isBefore ? change.before : change.after) = std::move(model);
+    change.width += isBefore ? -step : step;
+  }
+  if (change.width == 0.0)
+    throw Error("the numbers of \"" + nameOf(reference_.device) + "\" are at the limit of possible devices");
+  return change;
+}
+
+void Fit::updateSlopes() {
+  const DeviceModel here = model();
+  const std::vector<PathDynamics>& paths = pathsAt(x, here);
+  slopes_.assign(unknowns_.size(), {});
+  std::vector<std::size_t> free;
+  std::vector<ModelChange> changes;
+  std::vector<std::vector<PathDynamics>> slopes;  // of the paths; they are small, so that half the knots do
+  const std::vector<PathDynamics> straight = pathsAt(here, 0.0, 2 * observer_.interval);
+  for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+    if (isFixed[i] != 0) continue;
+    free.push_back(i);
+    changes.push_back(changeOf(i));
+    slopes.emplace_back();
+    slopes_[i].resize(pieces_.size());
+    if (unknowns_[i].isOfDrives) continue;
+    slopes.back() = pathsAt(changes.back().after, 0.0, 2 * observer_.interval);
+    for (std::size_t p = 0; p < pieces_.size(); ++p)
+      slopes.back()[p].knots = (slopes.back()[p].knots - straight[p].knots) / changes.back().width;
+  }
+  const std::size_t groups = (free.size() + kLanes - 1) / kLanes;
+  parallelFor(groups * pieces_.size(), threads_, [&](std::size_t task) {
+    const std::size_t p = task % pieces_.size(), begin = task / pieces_.size() * kLanes;
+    const std::size_t end = std::min(free.size(), begin + kLanes);
+    const Piece& piece = pieces_[p];
+    std::vector<ModelChange> group(changes.begin() + static_cast<std::ptrdiff_t>(begin),
+                                   changes.begin() + static_cast<std::ptrdiff_t>(end));
+    for (std::size_t k = begin; k < end; ++k)
+      if (!slopes[k].empty()) group[k - begin].path = &slopes[k][p];
+    Simulated simulated = simulate(here, paths[p], *piece.motion, observer_, piece.start, piece.route.cols(), group);
+    for (std::size_t k = begin; k < end; ++k) {
+      Eigen::MatrixXd change = simulated.slopes[k - begin].rightCols(piece.count);
+      interpolate(*piece.motion, piece.first, change);
+      Eigen::MatrixXcf& slope = slopes_[free[k]][p];
+      slope.resize(piece.spectrum->frequencies().size(), change.rows());
       for (Eigen::Index joint = 0; joint < slope.cols(); ++joint)
-        slope.col(joint) = pieces_[p].spectrum->transform(change.row(joint)).cast<std::complex<float>>();
-      slopes_[i].push_back(std::move(slope));
+        slope.col(joint) = piece.spectrum->transform(change.row(joint)).cast<std::complex<float>>();
     }
   });
 }
@@ -371,19 +446,26 @@ Eigen::MatrixXd Fit::covariance() {
   return scale.asDiagonal() * jackknife * scale.asDiagonal();
 }
 
-// The error is of second order in the length of a part, so that a third of the change remains when it is halved.
+// The error is of second order in the length of a part and of fourth order in the distance of knots. When both are
+// halved, at most a third of the change remains.
 void Fit::refine() {
   const Eigen::VectorXd allowed = kIntegration * (floor_ / kFloor).cwiseSqrt();
-  int left = 0;
-  const Residuals coarse = residuals(x, observer_, left);
+  const DeviceModel here = model();
+  const std::vector<Simulated> rough = simulateAll(here, observer_, pathsAt(x, here));
+  const Residuals gap = residuals(rough);
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {  // recorded rotors, simulated stretch of cables
+    pieces_[p].route = rough[p].joints;
+    pieces_[p].route.rightCols(pieces_[p].count) += gap[p];
+  }
+  pathsAt_.resize(0);
+  const Residuals coarse = residuals(simulateAll(here, observer_, pathsAt(x, here)));
   Residuals before;
   bool isFine = false;
-  for (int parts = kFineParts; !isFine && parts <= kMostParts; parts *= 2) {
-    Observer fine = observer_;
-    fine.parts = parts;
-    fine.places = parts / 4;
-    fine.substeps = 2 * parts;
-    Residuals now = residuals(x, fine, left);
+  Observer fine = observer_;
+  for (fine.parts = kFineParts; !isFine && fine.parts <= kMostParts; fine.parts *= 2) {
+    fine.substeps = 2 * fine.parts;
+    fine.interval = std::max(1, observer_.interval * kFineParts / (2 * fine.parts));
+    Residuals now = residuals(simulateAll(here, fine, pathsAt(here, period(), fine.interval)));
     isFine = !before.empty();
     for (std::size_t p = 0; p < before.size(); ++p) {
       const Eigen::MatrixXd error = (now[p] - before[p]) / 3.0;
@@ -396,13 +478,6 @@ void Fit::refine() {
   forget();
 }
 
-// Residuals with the correction of refine().
-Fit::Residuals Fit::corrected(const Eigen::VectorXd& at, int& left) const {
-  Residuals all = residuals(at, observer_, left);
-  for (std::size_t p = 0; p < std::min(all.size(), correction_.size()); ++p) all[p] += correction_[p];
-  return all;
-}
-
 void Fit::add(const std::vector<Unknown>& unknowns) {
   unknowns_.insert(unknowns_.end(), unknowns.begin(), unknowns.end());
   const Eigen::Index before = x.size();
@@ -411,6 +486,7 @@ void Fit::add(const std::vector<Unknown>& unknowns) {
   isFixed.resize(unknowns_.size(), 0);
   slopes_.clear();
   baseAt_.resize(0);
+  pathsAt_.resize(0);
 }
 
 }  // namespace enamel::identify

@@ -6,7 +6,7 @@
 //   L = 1/2 sum over joints and frequencies of [log S(f) + |e(f)|^2 / S(f)],  S: power of e in bands.
 //
 // Source: P. Whittle, "The analysis of multiple stationary time series", 1953. Gauss and Newton's step with the
-// damping of Levenberg (1944) and Marquardt (1963) reduces it, with differences of simulations as derivatives.
+// damping of Levenberg (1944) and Marquardt (1963) reduces it. Derivatives are those of the linearised simulation.
 #pragma once
 
 #include <complex>
@@ -90,6 +90,7 @@ class Fit {
     const RecordedMotion* motion;
     Eigen::Index start;         // tick where the simulation begins
     Eigen::Index first, count;  // ticks whose residuals count; those before are transient
+    Eigen::MatrixXd route;      // joint coordinates near the motion, from `start`: a column for each tick
     std::unique_ptr<Spectrum> spectrum;
   };
   struct Block {
@@ -99,8 +100,13 @@ class Fit {
   using Residuals = std::vector<Eigen::MatrixXd>;            // per piece, joints x ticks
   using Powers = std::vector<std::vector<Eigen::VectorXd>>;  // per piece and joint, at each frequency
 
-  Residuals residuals(const Eigen::VectorXd& at, const Observer& observer, int& left) const;
-  Residuals corrected(const Eigen::VectorXd& at, int& left) const;
+  std::vector<PathDynamics> pathsAt(const DeviceModel& model, double period, int interval) const;
+  const std::vector<PathDynamics>& pathsAt(const Eigen::VectorXd& at, const DeviceModel& model);
+  std::vector<Simulated> simulateAll(const DeviceModel& model, const Observer& observer,
+                                     const std::vector<PathDynamics>& paths) const;
+  Residuals residuals(const std::vector<Simulated>& simulated) const;
+  Residuals corrected(const Eigen::VectorXd& at, int& left);
+  ModelChange changeOf(std::size_t i) const;
   void updateSlopes();
   Powers powers(const Residuals& residuals, double corner) const;
   double cost(const Residuals& residuals, const Powers& powers) const;
@@ -120,6 +126,8 @@ class Fit {
   const std::vector<RecordedMotion>& motions_;
   int threads_;
   Observer observer_;
+  std::vector<PathDynamics> paths_;  // of the pieces
+  Eigen::VectorXd pathsAt_;          // x of paths_
   Residuals correction_;
   Eigen::VectorXd floor_;  // least power of a residual in each joint: a part of the encoder's rounding
   std::vector<Piece> pieces_;

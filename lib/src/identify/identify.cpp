@@ -226,11 +226,10 @@ DeviceParameters withDrive(DeviceModel model) {
   e.coulombFriction = model.coulomb.mean();
   e.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt().mean();
   e.currentBandwidth = model.lag > 0.0 ? 1.0 / (2.0 * M_PI * model.lag) : 0.0;
-  if (auto* tau = std::get_if<TauParameters>(&model.device)) {
-    tau->imperfections = e;
-    scaleLinks(model.links, *tau);
-  }
-  if (auto* delta = std::get_if<DeltaParameters>(&model.device)) delta->imperfections = e;
+  if (auto* tau = std::get_if<TauParameters>(&model.device)) scaleLinks(model.links, *tau);
+  if (auto* cartesian = std::get_if<CartesianParameters>(&model.device); cartesian != nullptr && cartesian->axes > 3)
+    e.coulombFriction = e.cogging = 0.0;  // the file has one number for forces and moments
+  imperfectionsOf(model.device) = e;
   return model.device;
 }
 

@@ -1,24 +1,24 @@
 #include "identify/simulation.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
-
-#include "core/message.hpp"
-#include "identify/local_dynamics.hpp"
 
 namespace enamel::identify {
 namespace {
 
-constexpr int kSubsteps = 5;    // at least, in a tick
-constexpr int kSlopeTicks = 4;  // between derivatives of the dynamics, with one place in a tick
+constexpr int kSubsteps = 5;     // at least, in a tick
+constexpr double kKnots = 4e-3;  // s, between knots of the path's dynamics
+
+// Derivatives with respect to the parameters of a simulation, a column each.
+template <int N>
+using Lanes = Eigen::Matrix<double, N, kLanes, Eigen::RowMajor>;
 
 // The torque of the motors, from commands that are constant between ticks.
 template <int N>
 class Motors {
  public:
-  using Vector = Eigen::Matrix<double, N, 1, 0, N == Eigen::Dynamic ? kMaxJoints : N, 1>;
+  using Vector = Eigen::Matrix<double, N, 1>;
 
   Motors(const DeviceModel& model, const RecordedMotion& motion, Eigen::Index first)
       : motion_(motion),
@@ -29,6 +29,7 @@ class Motors {
         whole_(static_cast<Eigen::Index>(std::floor(model.delay))),
         part_(model.delay - std::floor(model.delay)),
         now_(commandAt(first - 1)),
+        before_(now_),
         torque_(now_) {}
 
   // Begin tick i, which has `substeps` parts of `length` s.
@@ -41,7 +42,7 @@ class Motors {
 
   // Mean torque from share `from` to share `to` of the tick: one part of it.
   Vector mean(double from, double to) {
-    Vector sum = Vector::Zero(torque_.size());
+    Vector sum = Vector::Zero();
     if (from >= part_ || to <= part_) {
       move(from >= part_ ? now_ : before_, length_, share_, sum);
     } else {
@@ -56,7 +57,7 @@ class Motors {
   // Command that acts `whole_` ticks after tick i. The amplifier rounds the command, not the sum with the observer's
   // torque: a step there would hide derivatives.
   Vector commandAt(Eigen::Index i) const {
-    Vector sum = Vector::Zero(ratio_.size());
+    Vector sum = Vector::Zero();
     for (int k = 0; k <= spread_; ++k) {
       Vector command = motion_.command.col(std::max<Eigen::Index>(0, i - whole_ - k));
       if (step_ > 0.0)
@@ -81,8 +82,8 @@ class Motors {
   double length_ = 0.0, share_ = 0.0;  // s; how far the lag follows in that time
 };
 
-// The observer's torque; see Observer.
-template <typename Vector>
+// The observer's torque; see Observer. A column for each error.
+template <typename Errors>
 class Spring {
  public:
   Spring(const Observer& observer, double period)
@@ -92,195 +93,366 @@ class Spring {
     restart();
   }
 
-  void restart() { first_ = second_ = Vector::Zero(stiffness_.size()); }
+  void restart() { first_ = second_ = Errors::Zero(); }
 
-  Vector torque(const Vector& error) {
-    const Vector before = second_;
+  Errors torque(const Errors& error) {
+    const Errors before = second_;
     first_ += share_ * (error - first_);
     second_ += share_ * (first_ - second_);
-    return stiffness_.cwiseProduct(second_) + damping_.cwiseProduct(second_ - before);
+    return stiffness_.asDiagonal() * second_ + damping_.asDiagonal() * (second_ - before);
   }
 
  private:
-  Vector stiffness_, damping_;
+  Eigen::Matrix<double, Errors::RowsAtCompileTime, 1> stiffness_, damping_;
   double share_;
-  Vector first_, second_;
+  Errors first_, second_;
 };
 
+// The numbers of the drives: parts of a number for each joint, and four that all joints share.
+enum JointPart { kViscous, kFriction, kSine, kCosine, kRippleSine, kRippleCosine, kOffset, kJointParts };
+enum Common { kPeriods, kStiffness, kDamping, kRotor, kCommons };
+
+Eigen::VectorXd numbersOf(const DeviceModel& model) {
+  const ImperfectDevice device = deviceOf(model);
+  JointVector sine = JointVector::Constant(model.sine.size(), model.drive.torqueRipple), cosine = 0.0 * sine;
+  for (Eigen::Index i = 0; i < sine.size(); ++i) {
+    const double amplitude = std::hypot(model.sine[i], model.cosine[i]);  // the ripple has the phase of the cogging
+    if (amplitude == 0.0) continue;
+    cosine[i] = sine[i] * model.cosine[i] / amplitude;
+    sine[i] *= model.sine[i] / amplitude;
+  }
+  Eigen::VectorXd numbers(kJointParts * sine.size() + kCommons);
+  numbers << viscousFriction(model), model.coulomb, model.sine, model.cosine, sine, cosine, device.offset,
+      model.drive.periods, model.drive.cableStiffness, model.drive.cableDamping, device.rotorInertia;
+  return numbers;
+}
+
 // The device in joint coordinates: the equations of ImperfectPlant (sim/imperfect_plant.hpp), with the mechanism's
-// inertia and free acceleration constant during a part of a tick. They are those of its middle, by derivatives at a
-// place near it (local_dynamics.hpp).
+// inertia and free acceleration constant during a part of a tick. They are those of its middle. The slopes follow the
+// same steps, linearised.
 template <int N>
 class Device {
  public:
-  using Vector = typename Motors<N>::Vector;
-  using Matrix =
-      Eigen::Matrix<double, N, N, 0, N == Eigen::Dynamic ? kMaxJoints : N, N == Eigen::Dynamic ? kMaxJoints : N>;
+  using Vector = Eigen::Matrix<double, N, 1>;
+  using Matrix = Eigen::Matrix<double, N, N>;
+  using Slopes = Lanes<N>;
 
-  explicit Device(const DeviceModel& model)
-      : device_(deviceOf(model)),
-        drive_(device_.imperfections),
-        n_(device_.mechanism->joints()),
-        viscous_(viscousFriction(model)),
-        friction_(device_.coulombFriction),
-        cogging_(device_.cogging),
-        phase_(device_.coggingPhase),
-        hasCogging_(drive_.periods > 0.0 && (drive_.torqueRipple > 0.0 || cogging_.maxCoeff() > 0.0)),
-        kinematics_(device_.mechanism->home()) {}
-
-  // Put the device at rest at a reading. Returns whether it reaches it.
-  bool start(const JointVector& reading) {
-    const double compliance = hasCables() ? 1.0 / drive_.cableStiffness : 0.0;
-    JointVector q = reading - device_.offset - compliance * device_.mechanism->home().gravity;
-    kinematics_ = device_.mechanism->home();
-    if (device_.mechanism->track(q, JointVector::Zero(n_), false, kinematics_) != Status::ok) return false;
-    link_ = {q, Vector::Zero(n_)};
-    acceleration_ = link_.rate;
-    rotor_ = {q + compliance * kinematics_.gravity, Vector::Zero(n_)};
-    presliding_ = Vector::Zero(n_);
-    return true;
+  Device(const DeviceModel& model, const PathDynamics& path, const std::vector<ModelChange>& changes)
+      : numbers_(numbersOf(model)),
+        path_(path),
+        changes_(changes),
+        hasCogging_(common(kPeriods) > 0.0 && numbers_.template segment<4 * N>(kSine * N).cwiseAbs().maxCoeff() > 0.0) {
+    for (std::size_t lane = 0; lane < changes.size(); ++lane)
+      changed_.col(static_cast<Eigen::Index>(lane)) =
+          (numbersOf(changes[lane].after) - numbersOf(changes[lane].before)) / changes[lane].width;
   }
 
-  Vector reading() const { return (hasCables() ? rotor_.angle : link_.angle) + device_.offset; }
-
-  // Compute the dynamics at a place: in the middle of the next `duration` s, if the acceleration continues. With
-  // `isKnot` also their derivatives. Returns false if the mechanism cannot go there.
-  bool beginPlace(double duration, bool isKnot) {
-    if (!(link_.rate.norm() < kFastest)) return false;
-    const JointVector rates = link_.rate + 0.5 * duration * acceleration_,
-                      middle = link_.angle + 0.25 * duration * (link_.rate + rates);
-    if (dynamicsAt(*device_.mechanism, middle, rates, kinematics_, near_) != Status::ok) return false;
-    mobilityThere_ = near_.mobility;
-    if (isKnot) {
-      const DynamicsSlopes slopes = slopesAt(*device_.mechanism, kinematics_);
-      for (std::size_t i = 0; i < slopes.inertia.size(); ++i) inertiaSlopes_[i] = slopes.inertia[i];
-      gravitySlopes_ = slopes.gravity;
-    }
-    Matrix pushed(n_, n_);
-    balance_ = near_.balance - coriolis(near_.rates, pushed);
-    return true;
+  // Put the device at rest at the reading of a tick.
+  void start(const Vector& reading, double tick) {
+    near_.interpolate(path_, tick);
+    near_.moveTo(Vector::Zero());
+    rotor_ = link_ = {reading - part(kOffset), Vector::Zero()};
+    if (hasCables()) link_.angle -= near_.gravity() / common(kStiffness);
+    presliding_ = acceleration_ = Vector::Zero();
+    linkSlopes_ = rotorSlopes_ = {-changed(kOffset), Slopes::Zero()};
+    preslidingSlopes_ = Slopes::Zero();
   }
 
-  // Freeze inertia and free acceleration for a part of a tick, `duration` s. They are those of its middle, if the
-  // acceleration continues.
-  void beginPart(double duration) {
+  Vector reading() const { return (hasCables() ? rotor_ : link_).angle + part(kOffset); }
+  const Vector& joints() const { return link_.angle; }
+  Slopes readingSlopes() const { return (hasCables() ? rotorSlopes_ : linkSlopes_).angle + changed(kOffset); }
+
+  // Freeze inertia and free acceleration for a part of a tick, `duration` s. They are those of its middle, `tick` ticks
+  // after the beginning of the path, if the acceleration continues. Returns false if the device is out of reach.
+  bool beginPart(double tick, double duration) {
     const Vector rate = link_.rate + 0.5 * duration * acceleration_;
-    const Vector away = link_.angle + 0.25 * duration * (link_.rate + rate) - near_.place;
-    Matrix change = Matrix::Zero(n_, n_), pushed(n_, n_);
-    for (Eigen::Index k = 0; k < n_; ++k) change += away[k] * inertiaSlopes_[static_cast<std::size_t>(k)];
-    mobility_ = mobilityThere_ - mobilityThere_ * (change * mobilityThere_);
-    falling_ = -(mobility_ * (balance_ + gravitySlopes_ * away + coriolis(rate, pushed)));
-    if (!hasCogging_) return;
-    begin_ = hasCables() ? rotor_.angle : link_.angle;
-    const Vector phase = drive_.periods * begin_ + phase_;
+    if (!(rate.norm() < kFastest)) return false;
+    near_.interpolate(path_, tick);
+    const Vector away = link_.angle + 0.25 * duration * (link_.rate + rate) - near_.place();
+    near_.moveTo(away);
+    const Eigen::LLT<Matrix> factor(near_.inertia());
+    if (factor.info() != Eigen::Success) return false;
+    mobility_ = factor.solve(Matrix::Identity());
+    // C(v) is quadratic: C(v) = C(rate) + turning (v - rate), and turning rate = 2 C(rate).
+    Matrix pushed = Matrix::Zero();
+    const Vector bias = near_.bias(rate, pushed);
+    damping_ = pushed - pushed.transpose();
+    for (int k = 0; k < N; ++k) damping_ += rate[k] * near_.inertiaSlope(k);
+    falling_ = -(mobility_ * (bias - damping_ * rate));
+    damping_.diagonal() += part(kViscous);
+    if (!changes_.empty()) beginSlopes(tick, duration, rate, away);
+    if (!hasCogging_) return true;
+    begin_ = (hasCables() ? rotor_ : link_).angle;
+    const Vector phase = common(kPeriods) * (begin_ + part(kOffset));
     sine_ = phase.array().sin();
     cosine_ = phase.array().cos();
+    return true;
   }
 
   // Move by `h` s under the torque of the motors. Friction has half a step before and after; two halves that meet are
   // one step.
-  void move(double h, const Vector& torque, bool isFirst, bool isLast) {
+  void move(double h, const Vector& torque, const Slopes& torqueSlopes, bool isFirst, bool isLast) {
     if (isFirst) relax(0.5 * h);
-    hasCables() ? moveWithCables(h, torque) : moveRigidly(h, torque);
+    const Vector motor = disturbed(h, torque, torqueSlopes);
+    hasCables() ? moveWithCables(h, motor) : moveRigidly(h, motor);
     relax(isLast ? 0.5 * h : h);
   }
 
  private:
+  template <typename Value>
   struct Part {
-    Vector angle, rate;
+    Value angle = Value::Zero(), rate = Value::Zero();
   };
 
-  // Coriolis and centrifugal torque. Column k of `pushed` becomes dM/dq_k q'.
-  Vector coriolis(const Vector& rate, Matrix& pushed) const {
-    for (Eigen::Index k = 0; k < n_; ++k) pushed.col(k).noalias() = inertiaSlopes_[static_cast<std::size_t>(k)] * rate;
-    return pushed * rate - 0.5 * pushed.transpose() * rate;
+  auto part(JointPart i) const { return numbers_.template segment<N>(N * i); }
+  double common(Common i) const { return numbers_[N * kJointParts + i]; }
+  auto changed(JointPart i) const { return changed_.template middleRows<N>(N * i); }
+  auto changed(Common i) const { return changed_.row(N * kJointParts + i); }
+  auto inertiaChange(std::size_t lane) { return inertiaChanges_.template middleCols<N>(N * static_cast<int>(lane)); }
+  bool hasCables() const noexcept { return common(kStiffness) > 0.0; }
+
+  void beginSlopes(double tick, double duration, const Vector& rate, const Vector& away) {
+    awaySlopes_ = linkSlopes_.angle + 0.5 * duration * linkSlopes_.rate;
+    Matrix gravity = Matrix::Zero();
+    for (int k = 0; k < N; ++k) gravity.col(k) = near_.gravitySlope(k);
+    biasSlopes_ = gravity.lazyProduct(awaySlopes_);
+    for (std::size_t lane = 0; lane < changes_.size(); ++lane) {
+      if (changes_[lane].path == nullptr) continue;
+      PlaceDynamics<N> change;
+      change.interpolate(*changes_[lane].path, tick);
+      change.moveTo(away);
+      Matrix unused = Matrix::Zero();
+      biasSlopes_.col(static_cast<Eigen::Index>(lane)) += change.bias(rate, unused);
+      inertiaChange(lane) = change.inertia();
+    }
   }
 
-  bool hasCables() const noexcept { return drive_.cableStiffness > 0.0; }
+  // Slopes of the torque that moves the links with an acceleration.
+  Slopes inertialSlopes(const Vector& acceleration) {
+    Matrix away = Matrix::Zero();
+    for (int k = 0; k < N; ++k) away.col(k).noalias() = near_.inertiaSlope(k) * acceleration;
+    Slopes slopes = biasSlopes_ + away.lazyProduct(awaySlopes_);
+    for (std::size_t lane = 0; lane < changes_.size(); ++lane)
+      if (changes_[lane].path != nullptr)
+        slopes.col(static_cast<Eigen::Index>(lane)) += inertiaChange(lane) * acceleration;
+    return slopes;
+  }
 
   // Dahl's friction at constant speed, as ImperfectPlant.
   void relax(double h) {
-    const Vector& rate = hasCables() ? rotor_.rate : link_.rate;
-    for (Eigen::Index i = 0; i < n_; ++i) {
-      const double limit = std::copysign(1.0, rate[i]);
-      presliding_[i] = limit + (presliding_[i] - limit) * std::exp(-std::abs(rate[i]) * h / kPresliding);
+    const Vector& rate = (hasCables() ? rotor_ : link_).rate;
+    const Slopes& rateSlopes = (hasCables() ? rotorSlopes_ : linkSlopes_).rate;
+    for (int i = 0; i < N; ++i) {
+      const double limit = std::copysign(1.0, rate[i]), length = h / kPresliding;
+      const double decay = std::exp(-std::abs(rate[i]) * length), away = decay * (presliding_[i] - limit);
+      presliding_[i] = limit + away;
+      if (!changes_.empty())
+        preslidingSlopes_.row(i) = decay * preslidingSlopes_.row(i) - away * limit * length * rateSlopes.row(i);
     }
   }
 
-  double disturbed(Eigen::Index i, double torque, double angle) const {
-    double sum = torque - friction_[i] * presliding_[i];
-    if (hasCogging_) {  // sine of the angle by a series about the beginning of the part
-      const double d = drive_.periods * (angle - begin_[i]), square = d * d;
-      const double sine = sine_[i] * (1.0 - square * (0.5 - square / 24.0)) +
-                          cosine_[i] * d * (1.0 - square * (1.0 / 6.0 - square / 120.0));
-      sum += (drive_.torqueRipple * torque + cogging_[i]) * sine;
+  // Torque of the motors in the middle of a step, minus friction.
+  Vector disturbed(double h, const Vector& torque, const Slopes& torqueSlopes) {
+    const auto& driven = hasCables() ? rotor_ : link_;
+    const auto& drivenSlopes = hasCables() ? rotorSlopes_ : linkSlopes_;
+    Vector motor = torque - part(kFriction).cwiseProduct(presliding_);
+    for (int i = 0; i < N; ++i) {
+      double sine = 0.0, cosine = 0.0;
+      const double angle = driven.angle[i] + 0.5 * h * driven.rate[i], periods = common(kPeriods);
+      if (hasCogging_) {  // by a series about the beginning of the part
+        const double d = periods * (angle - begin_[i]), square = d * d;
+        const double c = 1.0 - square * (0.5 - square / 24.0), s = d * (1.0 - square * (1.0 / 6.0 - square / 120.0));
+        sine = sine_[i] * c + cosine_[i] * s;
+        cosine = cosine_[i] * c - sine_[i] * s;
+      }
+      const double withSine = part(kSine)[i] + part(kRippleSine)[i] * torque[i],
+                   withCosine = part(kCosine)[i] + part(kRippleCosine)[i] * torque[i];
+      motor[i] += withSine * sine + withCosine * cosine;
+      if (changes_.empty()) continue;
+      motorSlopes_.row(i) = torqueSlopes.row(i) - part(kFriction)[i] * preslidingSlopes_.row(i) -
+                            presliding_[i] * changed(kFriction).row(i);
+      if (!hasCogging_) continue;
+      motorSlopes_.row(i) +=
+          (part(kRippleSine)[i] * sine + part(kRippleCosine)[i] * cosine) * torqueSlopes.row(i) +
+          sine * (changed(kSine).row(i) + torque[i] * changed(kRippleSine).row(i)) +
+          cosine * (changed(kCosine).row(i) + torque[i] * changed(kRippleCosine).row(i)) +
+          (withSine * cosine - withCosine * sine) *
+              (periods * (drivenSlopes.angle.row(i) + 0.5 * h * drivenSlopes.rate.row(i) + changed(kOffset).row(i)) +
+               (angle + part(kOffset)[i]) * changed(kPeriods));
     }
-    return sum;
+    return motor;
   }
 
   // Second order in h: the speed is linear, the torque that of the middle.
-  void moveRigidly(double h, const Vector& torque) {
-    Vector sum(n_);
-    for (Eigen::Index i = 0; i < n_; ++i)
-      sum[i] = disturbed(i, torque[i], link_.angle[i] + 0.5 * h * link_.rate[i]) - viscous_[i] * link_.rate[i];
-    Vector acceleration = falling_ + mobility_ * sum;
-    acceleration -= mobility_ * (0.5 * h * viscous_.cwiseProduct(acceleration));  // viscous friction of the middle
-    acceleration_ = acceleration;
-    link_.angle += h * link_.rate + 0.5 * h * h * acceleration;
-    link_.rate += h * acceleration;
+  void moveRigidly(double h, const Vector& motor) {
+    const Vector begin = falling_ + mobility_ * (motor - damping_ * link_.rate);
+    acceleration_ = begin - mobility_ * (0.5 * h * damping_ * begin);
+    if (!changes_.empty()) {
+      const Slopes torque = motorSlopes_ - inertialSlopes(acceleration_) - damping_.lazyProduct(linkSlopes_.rate) -
+                            (link_.rate + 0.5 * h * begin).asDiagonal() * changed(kViscous);
+      const Slopes first = mobility_.lazyProduct(torque), held = 0.5 * h * damping_.lazyProduct(first);
+      const Slopes slopes = first - mobility_.lazyProduct(held);
+      linkSlopes_.angle += h * linkSlopes_.rate + 0.5 * h * h * slopes;
+      linkSlopes_.rate += h * slopes;
+    }
+    link_.angle += h * link_.rate + 0.5 * h * h * acceleration_;
+    link_.rate += h * acceleration_;
   }
 
-  // Kutta's step for rotors, cables and links.
-  void moveWithCables(double h, const Vector& torque) {
-    Vector motor(n_);
-    for (Eigen::Index i = 0; i < n_; ++i)
-      motor[i] = disturbed(i, torque[i], rotor_.angle[i] + 0.5 * h * rotor_.rate[i]);
-    Part link = link_, rotor = rotor_, linkSum{link_.rate, Vector::Zero(n_)}, rotorSum{rotor_.rate, linkSum.rate};
-    linkSum.angle.setZero();
-    rotorSum.angle.setZero();
-    const double weights[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0}, ahead[3] = {0.5, 0.5, 1.0};
+  // Kutta's step for rotors, cables and links. `slopesAt` gives the slopes of angles and rates in a stage.
+  template <typename Value, typename SlopesAt>
+  static void step(double h, Part<Value>& link, Part<Value>& rotor, const SlopesAt& slopesAt) {
+    const Part<Value> linkBegin = link, rotorBegin = rotor;
+    Part<Value> linkAt = link, rotorAt = rotor;
+    const double weights[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0}, ahead[4] = {0.5, 0.5, 1.0, 0.0};
     for (int stage = 0; stage < 4; ++stage) {
-      const Vector cable =
-          drive_.cableStiffness * (rotor.angle - link.angle) + drive_.cableDamping * (rotor.rate - link.rate);
-      const Vector pushed = falling_ + mobility_ * (cable - viscous_.cwiseProduct(link.rate)),
-                   turned = (motor - cable) / device_.rotorInertia;
-      linkSum.angle += weights[stage] * link.rate;
-      linkSum.rate += weights[stage] * pushed;
-      rotorSum.angle += weights[stage] * rotor.rate;
-      rotorSum.rate += weights[stage] * turned;
-      acceleration_ = pushed;
-      if (stage == 3) break;
-      const double step = ahead[stage] * h;
-      const Vector linkRate = link.rate, rotorRate = rotor.rate;
-      link = {link_.angle + step * linkRate, link_.rate + step * pushed};
-      rotor = {rotor_.angle + step * rotorRate, rotor_.rate + step * turned};
+      Value pushed = Value::Zero(), turned = pushed;
+      slopesAt(stage, linkAt, rotorAt, pushed, turned);
+      const double share = weights[stage] * h, next = ahead[stage] * h;
+      link.angle += share * linkAt.rate;
+      link.rate += share * pushed;
+      rotor.angle += share * rotorAt.rate;
+      rotor.rate += share * turned;
+      linkAt = {linkBegin.angle + next * linkAt.rate, linkBegin.rate + next * pushed};
+      rotorAt = {rotorBegin.angle + next * rotorAt.rate, rotorBegin.rate + next * turned};
     }
-    link_.angle += h * linkSum.angle;
-    link_.rate += h * linkSum.rate;
-    rotor_.angle += h * rotorSum.angle;
-    rotor_.rate += h * rotorSum.rate;
+  }
+
+  void moveWithCables(double h, const Vector& motor) {
+    const double stiffness = common(kStiffness), damping = common(kDamping), inertia = common(kRotor);
+    Part<Vector> stretch[4];
+    Vector turning[4] = {Vector::Zero(), Vector::Zero(), Vector::Zero(), Vector::Zero()};
+    const Part<Vector> begin = link_;
+    step(h, link_, rotor_,
+         [&](int i, const Part<Vector>& link, const Part<Vector>& rotor, Vector& pushed, Vector& turned) {
+           stretch[i] = {rotor.angle - link.angle, rotor.rate - link.rate};
+           const Vector cable = stiffness * stretch[i].angle + damping * stretch[i].rate;
+           pushed = falling_ + mobility_ * (cable - damping_ * link.rate);
+           turned = turning[i] = (motor - cable) / inertia;
+           acceleration_ = pushed;
+         });
+    if (changes_.empty()) return;
+    const Slopes held = inertialSlopes((link_.rate - begin.rate) / h) +
+                        ((link_.angle - begin.angle) / h).asDiagonal() * changed(kViscous);  // means of the step
+    step(h, linkSlopes_, rotorSlopes_,
+         [&](int i, const Part<Slopes>& link, const Part<Slopes>& rotor, Slopes& pushed, Slopes& turned) {
+           const Slopes cable = stiffness * (rotor.angle - link.angle) + damping * (rotor.rate - link.rate) +
+                                stretch[i].angle * changed(kStiffness) + stretch[i].rate * changed(kDamping);
+           const Slopes torque = cable - damping_.lazyProduct(link.rate) - held;
+           pushed = mobility_.lazyProduct(torque);
+           turned = (motorSlopes_ - cable - turning[i] * changed(kRotor)) / inertia;
+         });
   }
 
   static constexpr double kPresliding = 2e-4;  // rad or m, of Dahl's friction, as ImperfectPlant
   static constexpr double kFastest = 1e3;      // rad/s or m/s
 
-  ImperfectDevice device_;
-  const Imperfections& drive_;
-  Eigen::Index n_;
-  Vector viscous_, friction_, cogging_, phase_;
-  Vector begin_, sine_, cosine_;  // angle at the beginning of the part, and sine and cosine of its cogging
+  Eigen::Matrix<double, kJointParts * N + kCommons, 1> numbers_;
+  const PathDynamics& path_;
+  const std::vector<ModelChange>& changes_;
+  Eigen::Matrix<double, kJointParts * N + kCommons, kLanes, Eigen::RowMajor> changed_ = decltype(changed_)::Zero();
   bool hasCogging_;
-  Kinematics kinematics_;  // at the last place
-  LocalDynamics near_;     // there
-  Vector balance_;         // of near_, without the torque of its velocities
-  Matrix mobilityThere_, gravitySlopes_;
-  std::array<Matrix, N == Eigen::Dynamic ? kMaxJoints : N> inertiaSlopes_;
-  Vector acceleration_;  // of the links in the last step
-  Vector falling_;       // accelerations of the links without torque
-  Matrix mobility_;      // M^-1
-  Part link_, rotor_;
-  Vector presliding_;  // share of the friction, -1 to 1
+  PlaceDynamics<N> near_;
+  Vector begin_ = Vector::Zero();           // angle at the beginning of the part
+  Vector sine_ = begin_, cosine_ = begin_;  // of its cogging
+  Vector acceleration_ = begin_;            // of the links in the last step
+  Vector falling_ = begin_;                 // accelerations of the links without torque
+  Matrix damping_ = Matrix::Zero();         // torque of friction and velocities in the part: damping_ q'
+  Matrix mobility_ = Matrix::Zero();        // M^-1
+  Part<Vector> link_, rotor_;
+  Vector presliding_ = begin_;  // share of the friction, -1 to 1
+  Part<Slopes> linkSlopes_, rotorSlopes_;
+  Slopes preslidingSlopes_ = Slopes::Zero(), motorSlopes_ = preslidingSlopes_;
+  Slopes awaySlopes_ = preslidingSlopes_, biasSlopes_ = preslidingSlopes_;  // of q - q0 and g + C in the part
+  Eigen::Matrix<double, N, N* kLanes> inertiaChanges_ = decltype(inertiaChanges_)::Zero();
 };
+
+// The change of the motors' torque with a parameter of the motors.
+template <int N>
+struct MotorChange {
+  Eigen::Index lane;
+  double width;
+  Motors<N> before, after;
+};
+
+template <int N>
+std::vector<MotorChange<N>> motorChanges(const std::vector<ModelChange>& changes, const RecordedMotion& motion,
+                                         Eigen::Index first) {
+  std::vector<MotorChange<N>> all;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const DeviceModel &a = changes[i].before, &b = changes[i].after;
+    if (a.ratio != b.ratio || a.lag != b.lag || a.delay != b.delay)
+      all.push_back(
+          {static_cast<Eigen::Index>(i), changes[i].width, Motors<N>(a, motion, first), Motors<N>(b, motion, first)});
+  }
+  return all;
+}
+
+template <int N>
+Simulated simulateJoints(const DeviceModel& model, const PathDynamics& path, const RecordedMotion& motion,
+                         const Observer& observer, Eigen::Index first, Eigen::Index count,
+                         const std::vector<ModelChange>& changes) {
+  using Vector = typename Device<N>::Vector;
+  using Slopes = Lanes<N>;
+  Device<N> device(model, path, changes);
+  device.start(motion.reading.col(first), 0.0);
+  const double step = 1.0 / observer.substeps;
+  const int part = observer.substeps / observer.parts;
+  Motors<N> motors(model, motion, first);
+  std::vector<MotorChange<N>> motorChange = motorChanges<N>(changes, motion, first);
+  Spring<Vector> spring(observer, motion.period);
+  Spring<Slopes> springSlopes(observer, motion.period);
+  Simulated simulated;
+  simulated.restarts = path.outside;
+  simulated.reading.resize(N, count);
+  simulated.joints.resize(N, count);
+  simulated.slopes.assign(changes.size(), Eigen::MatrixXd(N, count));
+  Vector error = Vector::Zero();
+  Slopes errorSlopes = Slopes::Zero(), heldSlopes = errorSlopes, torqueSlopes = errorSlopes;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index i = first + k;
+    simulated.reading.col(k) = device.reading();
+    simulated.joints.col(k) = device.joints();
+    const Slopes readingSlopes = device.readingSlopes();
+    for (std::size_t lane = 0; lane < changes.size(); ++lane)
+      simulated.slopes[lane].col(k) = readingSlopes.col(static_cast<Eigen::Index>(lane));
+    if (k + 1 == count) break;
+    const auto at = static_cast<std::size_t>(i);
+    // Without a sample the last error holds: that of an interpolated reading grows with the acceleration.
+    if (motion.isSample[at] != 0) {
+      error = motion.reading.col(i) - device.reading();
+      errorSlopes = -readingSlopes;
+    }
+    const Vector held = spring.torque(error);
+    if (!changes.empty()) heldSlopes = springSlopes.torque(errorSlopes);
+    const double duration = motion.time[at + 1] - motion.time[at];
+    bool isPossible = true;
+    motors.beginTick(i, step * duration);
+    for (MotorChange<N>& change : motorChange) {
+      change.before.beginTick(i, step * duration);
+      change.after.beginTick(i, step * duration);
+    }
+    for (int s = 0; s < observer.substeps; ++s) {
+      const double from = s * step, to = (s + 1) * step;
+      const Vector torque = held + motors.mean(from, to);
+      if (!changes.empty()) torqueSlopes = heldSlopes;
+      for (MotorChange<N>& change : motorChange)
+        torqueSlopes.col(change.lane) += (change.after.mean(from, to) - change.before.mean(from, to)) / change.width;
+      if (s % part == 0)
+        isPossible =
+            isPossible && device.beginPart(static_cast<double>(k) + (s + 0.5 * part) * step, part * step * duration);
+      if (isPossible) device.move(step * duration, torque, torqueSlopes, s == 0, s + 1 == observer.substeps);
+    }
+    if (isPossible) continue;
+    ++simulated.restarts;
+    spring.restart();
+    springSlopes.restart();
+    error.setZero();
+    errorSlopes.setZero();
+    device.start(motion.reading.col(i), static_cast<double>(k));
+  }
+  return simulated;
+}
 
 }  // namespace
 
@@ -297,66 +469,15 @@ Observer observerFor(const DeviceModel& model, double period) {
   }
   observer.stiffness = rate * rate * inertia;
   observer.damping = 2.0 * rate * inertia;
+  observer.interval = std::max(1, static_cast<int>(std::lround(kKnots / period)));
   return observer;
 }
 
-namespace {
-
-template <int N>
-Simulated simulateJoints(const DeviceModel& model, const RecordedMotion& motion, const Observer& observer,
-                         Eigen::Index first, Eigen::Index count) {
-  using Vector = typename Motors<N>::Vector;
-  Device<N> device(model);
-  require(device.start(motion.reading.col(first)),
-          "the recorded joints are out of the reach of \"" + nameOf(model.device) + "\"");
-  const double step = 1.0 / observer.substeps;
-  const int part = observer.substeps / observer.parts, place = observer.substeps / observer.places;
-  const int knot = observer.places > 1 ? 1 : kSlopeTicks;
-  Motors<N> motors(model, motion, first);
-  Spring<Vector> spring(observer, motion.period);
-  Simulated simulated;
-  simulated.reading.resize(motion.reading.rows(), count);
-  Vector error = Vector::Zero(motion.reading.rows());
-  bool isNew = true;  // at the beginning, and after a restart
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::Index i = first + k;
-    simulated.reading.col(k) = device.reading();
-    if (k + 1 == count) break;
-    const auto at = static_cast<std::size_t>(i);
-    // Without a sample the last error holds: that of an interpolated reading grows with the acceleration.
-    if (motion.isSample[at] != 0) error = motion.reading.col(i) - device.reading();
-    const Vector held = spring.torque(error);
-    const double duration = motion.time[at + 1] - motion.time[at];
-    bool isPossible = true;
-    motors.beginTick(i, step * duration);
-    for (int s = 0; s < observer.substeps; ++s) {
-      const Vector torque = held + motors.mean(s * step, (s + 1) * step);
-      if (s % place == 0)
-        isPossible = isPossible && device.beginPlace(place * step * duration, isNew || (s == 0 && k % knot == 0));
-      if (!isPossible) continue;
-      if (s % part == 0) device.beginPart(part * step * duration);
-      device.move(step * duration, torque, s == 0, s + 1 == observer.substeps);
-      isNew = false;
-    }
-    if (isPossible) continue;
-    isNew = true;
-    ++simulated.restarts;
-    spring.restart();
-    error.setZero();
-    (void)device.start(motion.reading.col(i));
-  }
-  return simulated;
-}
-
-}  // namespace
-
-Simulated simulate(const DeviceModel& model, const RecordedMotion& motion, const Observer& observer, Eigen::Index first,
-                   Eigen::Index count) {
-  switch (motion.reading.rows()) {
-    case 3: return simulateJoints<3>(model, motion, observer, first, count);
-    case 6: return simulateJoints<6>(model, motion, observer, first, count);
-    default: return simulateJoints<Eigen::Dynamic>(model, motion, observer, first, count);
-  }
+Simulated simulate(const DeviceModel& model, const PathDynamics& path, const RecordedMotion& motion,
+                   const Observer& observer, Eigen::Index first, Eigen::Index count,
+                   const std::vector<ModelChange>& changes) {
+  return motion.reading.rows() == 3 ? simulateJoints<3>(model, path, motion, observer, first, count, changes)
+                                    : simulateJoints<6>(model, path, motion, observer, first, count, changes);
 }
 
 }  // namespace enamel::identify

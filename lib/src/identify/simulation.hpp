@@ -3,6 +3,7 @@
 
 #include "enamel/identify/motion.hpp"
 #include "identify/device_model.hpp"
+#include "identify/path_dynamics.hpp"
 
 namespace enamel::identify {
 
@@ -14,8 +15,8 @@ namespace enamel::identify {
 struct Observer {
   JointVector stiffness, damping;  ///< N m/rad and N m s/rad, or N/m and N s/m
   int substeps = 5;                ///< integration steps per tick, a multiple of `parts`
-  int parts = 1;                   ///< of a tick, with constant inertia and free acceleration; a multiple of `places`
-  int places = 1;                  ///< in a tick, where the dynamics of the mechanism are computed
+  int parts = 1;                   ///< of a tick, with constant inertia and free acceleration
+  int interval = 4;                ///< between knots of the path's dynamics, ticks
 };
 
 inline constexpr double kObserverRate = 3.0, kObserverFilter = 30.0;  // Hz
@@ -23,15 +24,28 @@ inline constexpr double kObserverRate = 3.0, kObserverFilter = 30.0;  // Hz
 /// Return the observer for a model: kObserverRate with its inertias at home, and steps for its cables.
 Observer observerFor(const DeviceModel& model, double period);
 
+/// A direction in which a model changes: the difference of two models near it, per unit of a parameter.
+struct ModelChange {
+  DeviceModel before, after;
+  double width = 1.0;                  ///< of the parameter, from before to after
+  const PathDynamics* path = nullptr;  ///< derivative of the path's dynamics; null: zero
+};
+
+inline constexpr int kLanes = 16;  ///< most changes in one simulation
+
 /// Readings that a model predicts under the recorded commands, one row per joint.
 struct Simulated {
   Eigen::MatrixXd reading;
+  Eigen::MatrixXd joints;               ///< coordinates of the mechanism: without offsets and the stretch of cables
+  std::vector<Eigen::MatrixXd> slopes;  ///< derivative of `reading` with respect to each change
   int restarts = 0;  ///< how often the device left its workspace and was put back at the recorded pose
 };
 
-/// Simulate ticks `first` to `first` + `count` - 1. It begins at rest at the recorded pose. Throws Error if that pose
-/// is out of the model's reach, and ConfigurationError if the model is impossible.
-Simulated simulate(const DeviceModel& model, const RecordedMotion& motion, const Observer& observer, Eigen::Index first,
-                   Eigen::Index count);
+/// Simulate ticks `first` to `first` + `count` - 1. It begins at rest at the recorded pose. `path` begins
+/// at the same tick. Slopes are those of the linearised equations: they have the errors of the
+/// simulation's steps, and omit the transient of the beginning. Throws ConfigurationError if the model is impossible.
+Simulated simulate(const DeviceModel& model, const PathDynamics& path, const RecordedMotion& motion,
+                   const Observer& observer, Eigen::Index first, Eigen::Index count,
+                   const std::vector<ModelChange>& changes = {});
 
 }  // namespace enamel::identify
