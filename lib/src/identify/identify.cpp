@@ -225,7 +225,9 @@ DeviceParameters withDrive(DeviceModel model) {
   Imperfections e = model.drive;
   e.coulombFriction = model.coulomb.mean();
   e.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt().mean();
-  e.currentBandwidth = model.lag > 0.0 ? 1.0 / (2.0 * M_PI * model.lag) : 0.0;
+  constexpr double kMostBandwidth = 1e6;  // Hz, of a file; a shorter lag is none
+  const double bandwidth = 1.0 / (2.0 * M_PI * model.lag);
+  e.currentBandwidth = bandwidth <= kMostBandwidth ? bandwidth : 0.0;
   if (auto* tau = std::get_if<TauParameters>(&model.device)) scaleLinks(model.links, *tau);
   if (auto* cartesian = std::get_if<CartesianParameters>(&model.device); cartesian != nullptr && cartesian->axes > 3)
     e.coulombFriction = e.cogging = 0.0;  // the file has one number for forces and moments
