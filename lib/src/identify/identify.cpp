@@ -225,7 +225,7 @@ DeviceParameters withDrive(DeviceModel model) {
   Imperfections e = model.drive;
   e.coulombFriction = model.coulomb.mean();
   e.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt().mean();
-  constexpr double kMostBandwidth = 1e6;  // Hz, of a file; a shorter lag is none
+  constexpr double kMostBandwidth = 1e6;  // Hz, of a file; a shorter lag counts as zero
   const double bandwidth = 1.0 / (2.0 * M_PI * model.lag);
   e.currentBandwidth = bandwidth <= kMostBandwidth ? bandwidth : 0.0;
   if (auto* tau = std::get_if<TauParameters>(&model.device)) scaleLinks(model.links, *tau);
