@@ -30,12 +30,6 @@ constexpr double kContradicts = 8.0;                    // deviations of an inno
 constexpr double kNear = 2e-5;    // m: a contact that stays farther outside for a tick carries no force
 constexpr int kRefreshTicks = 8;  // between two updates of the inertia
 
-JointRow readingOf(const TickFrame& frame) noexcept {
-  JointRow reading{};
-  for (Eigen::Index j = 0; j < frame.kinematics.q.size(); ++j) reading[j] = frame.kinematics.q[j];
-  return reading;
-}
-
 }  // namespace
 
 // The implementation: with rotors behind cables, or rigid.
@@ -97,6 +91,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
   double largestSafe(const Ahead& a, const Lane& row, double step, double speed, double depth) noexcept;
+  void repeat(const Kinematics& now, TickOutput& output) const noexcept;
 
   PositionControlOptions options_;
   int joints_, low_, pending_;  // low_: delayLow; pending_: older commands that may act instead of the new one
@@ -400,6 +395,15 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
   return std::min(asked, most) / total;
 }
 
+// Give the last answer again.
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::repeat(const Kinematics& now, TickOutput& output) const noexcept {
+  output.mode = memory_.lastNormal > 0.0 ? RenderMode::contact : RenderMode::free;
+  output.normalForce = memory_.lastNormal;
+  output.torque.resize(joints_);
+  for (int j = 0; j < joints_; ++j) output.torque[j] = now.gravity[j] + memory_.sent[0][j];
+}
+
 template <int kMech>
 Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& frame, TickOutput& output) noexcept {
   const Kinematics& kin = frame.kinematics;
@@ -408,11 +412,8 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   if (kin.q.size() != n || frame.rows.count != frame.contacts.count) return Status::outOfRange;
   const double elapsed = frame.time - m.lastTime;
   output.saturated = false;
-  if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {  // repeat the last answer
-    output.mode = m.lastNormal > 0.0 ? RenderMode::contact : RenderMode::free;
-    output.normalForce = m.lastNormal;
-    output.torque.resize(n);
-    for (int j = 0; j < n; ++j) output.torque[j] = kin.gravity[j] + m.sent[0][j];
+  if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {
+    repeat(kin, output);
     return Status::ok;
   }
   if (m.started == 0.0 || elapsed < 0.0 || elapsed > kMostTicks * options_.period)
