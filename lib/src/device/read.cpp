@@ -73,7 +73,7 @@ constexpr Imperfection kImperfections[] = {
     {"torque_step", "E", &Imperfections::torqueStep, 1.0},
     {"torque_ripple", "of the torque", &Imperfections::torqueRipple, 1.0},
     {"cogging", "E", &Imperfections::cogging, 10.0},
-    {"periods", "a turn or metre", &Imperfections::periods, 1e5},
+    {"periods", "a turn or 2 pi m", &Imperfections::periods, 1e5},
     {"coulomb_friction", "E", &Imperfections::coulombFriction, 10.0},
     {"cable_stiffness", "E/Q", &Imperfections::cableStiffness, 1e6},
     {"cable_damping", "E s/Q", &Imperfections::cableDamping, 1e3},

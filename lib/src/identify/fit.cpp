@@ -81,7 +81,7 @@ void Fit::use(double begin, double end) {
     const double bandwidth = kBandwidth / (static_cast<double>(count) * motion.period);
     pieces_.push_back({&motion, start, first, count,
                        motion.reading.middleCols(start, first - start + count).colwise() - Eigen::VectorXd(offset),
-                       std::make_unique<Spectrum>(count, motion.period, bandwidth)});
+                       std::make_shared<Spectrum>(count, motion.period, bandwidth)});
   }
   require(!pieces_.empty(), "the recordings have no motion of " + formatNumber(kTransient + kShortestPiece) +
                                 " s after the first " + formatNumber(begin) + " s: record longer");

@@ -91,7 +91,7 @@ class Fit {
     Eigen::Index start;         // tick where the simulation begins
     Eigen::Index first, count;  // ticks whose residuals count; those before are transient
     Eigen::MatrixXd route;      // joint coordinates near the motion, from `start`: a column for each tick
-    std::unique_ptr<Spectrum> spectrum;
+    std::shared_ptr<const Spectrum> spectrum;
   };
   struct Block {
     Eigen::MatrixXd information;

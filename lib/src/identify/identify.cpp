@@ -22,7 +22,6 @@ constexpr double kCorners[] = {20.0, 60.0, 150.0, 400.0};  // Hz, of the first s
 constexpr double kFirstData = 4.0;                         // s, for them
 constexpr double kCoarseData = 8.0;                        // s, for the first steps
 constexpr double kMostData = 40.0;                         // s, for the last ones
-constexpr int kRefinements = 2;                            // how often the errors of the simulation are computed
 constexpr double kShare = 0.8;                             // of the data for the fit; the rest tests it
 constexpr double kLeastExplained = 0.9;                    // of the variance of each torque
 constexpr double kCertain = 30.0;                          // difference of the log likelihood to the second best delay
@@ -49,18 +48,16 @@ Eigen::VectorXd startOf(const Fit& fit, double scale) {
 }
 
 // Fit with a whole delay, from the place where delay and lag are free. Derivatives are those of the last step there.
-Candidate tryDelay(Fit& fit, const Eigen::VectorXd& free, int low, int high) {
+Candidate tryDelay(Fit fit, int low, int high) {
   const int delayAt = fit.find("loop delay"), lagAt = fit.find("motor lag");
   const Unknown& delay = fit.unknowns()[static_cast<std::size_t>(delayAt)];
   const Unknown& lag = fit.unknowns()[static_cast<std::size_t>(lagAt)];
   const double period = fit.period();
-  const double whole = delay.at(free[delayAt]) * period + lag.at(free[lagAt]);  // s
-  fit.x = free;
+  const double whole = delay.at(fit.x[delayAt]) * period + lag.at(fit.x[lagAt]);  // s
   fit.reference().spread = high - low;
   fit.x[delayAt] = (low - delay.reference) / delay.scale;
   const double rest = std::max(0.0, whole - 0.5 * (low + high) * period);
   fit.x[lagAt] = (rest - lag.reference) / lag.scale;
-  fit.isFixed[static_cast<std::size_t>(delayAt)] = 1;
   fit.forget();
   fit.improve(4, 0.0, true);
   return {low, high, fit.misfit(), fit.x};
@@ -92,20 +89,18 @@ std::string textOf(const Candidate& c) {
   return std::to_string(c.low) + (c.high > c.low ? ".." + std::to_string(c.high) : "");
 }
 
-DelayEstimate chooseDelay(Fit& fit) {
-  const Eigen::VectorXd free = fit.x;
-  const int delayAt = fit.find("loop delay");
-  const Unknown& delay = fit.unknowns()[static_cast<std::size_t>(delayAt)];
-  const Unknown& lag = fit.unknowns()[static_cast<std::size_t>(fit.find("motor lag"))];
-  const double value = delay.at(free[delayAt]);
-  const double whole = value + lag.at(free[fit.find("motor lag")]) / fit.period();
+DelayEstimate chooseDelay(Fit& fit, int threads) {
+  const int delayAt = fit.find("loop delay"), lagAt = fit.find("motor lag");
+  const double value = fit.unknowns()[static_cast<std::size_t>(delayAt)].at(fit.x[delayAt]);
+  const double whole = value + fit.unknowns()[static_cast<std::size_t>(lagAt)].at(fit.x[lagAt]) / fit.period();
+  fit.isFixed[static_cast<std::size_t>(delayAt)] = 1;
   std::vector<Candidate> all;
-  const int first = std::max(0, static_cast<int>(std::floor(value - 1.0)));
-  for (int low = first; low <= static_cast<int>(std::ceil(whole + 0.3)); ++low)
-    all.push_back(tryDelay(fit, free, low, low));
-  for (int spread = 1; spread <= kMostSpread; ++spread)
-    for (int low = 0; low + 0.5 * spread <= whole + 0.3; ++low)
-      if (low + 0.5 * spread >= value - 0.8) all.push_back(tryDelay(fit, free, low, low + spread));
+  for (int spread = 0; spread <= kMostSpread; ++spread) {
+    const double margin = spread > 0 ? 0.0 : 1.0;
+    for (int low = 0; low + 0.5 * spread <= whole + 0.3 + margin; ++low)
+      if (low + 0.5 * spread >= value - 0.8 - margin) all.push_back({low, low + spread, 0.0, {}});
+  }
+  parallelFor(all.size(), threads, [&](std::size_t i) { all[i] = tryDelay(fit, all[i].low, all[i].high); });
   std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.misfit < b.misfit; });
   fit.reference().spread = all[0].high - all[0].low;
   fit.x = all[0].x;
@@ -128,11 +123,7 @@ void addCogging(Fit& fit) {
   fit.add(unknowns);
   for (Eigen::Index k = 0; k < found.parts.size(); ++k)
     fit.x[first + k] = found.parts(k / 2, k % 2) / unknowns[static_cast<std::size_t>(k)].scale;
-  const auto ripple = static_cast<std::size_t>(fit.find("imperfections.torque_ripple"));
-  fit.isFixed[ripple] = 1;  // its phase is that of the cogging
-  fit.improve(4);
-  fit.isFixed[ripple] = 0;
-  fit.improve(4);
+  fit.improve(8);
 }
 
 Estimate estimateOf(const Unknown& unknown, double x, double deviation, double before) {
@@ -257,14 +248,12 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   fit.improve(8);
   for (int round = 0; round < 3 && slideDelay(fit); ++round) fit.improve(8);
   addCogging(fit);
-  result.delay = chooseDelay(fit);
-  fit.improve(4);
+  result.delay = chooseDelay(fit, options.threads > 0 ? options.threads : availableThreads());
   const double end = std::min(kMostData, kShare * durationOf(motions));
-  fit.use(0.0, end);
-  fit.improve(8);
-  for (int round = 0; round < kRefinements; ++round) {
+  for (const double data : {kCoarseData, end}) {
+    fit.use(0.0, data);
     fit.refine();
-    fit.improve(8, 0.0, round > 0);
+    fit.improve(8, 0.0, true);
   }
   addEstimates(fit, file, result);
   result.problems = diagnose(fit, result.delay.low);

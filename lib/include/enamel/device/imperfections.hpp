@@ -12,7 +12,7 @@ struct Imperfections {
   double torqueStep = 0.0;        ///< rounding step of the amplifier, N m
   double torqueRipple = 0.0;      ///< amplitude, as a fraction of the torque
   double cogging = 0.0;           ///< amplitude, N m
-  double periods = 0.0;           ///< periods of ripple and cogging in one turn of the joint
+  double periods = 0.0;           ///< of ripple and cogging, in one turn of a joint or 2 pi m of an axis
   double coulombFriction = 0.0;   ///< N m
   double cableStiffness = 0.0;    ///< stiffness between rotor and link, N m/rad; 0: rigid
   double cableDamping = 0.0;      ///< N m s/rad
