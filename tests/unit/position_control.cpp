@@ -121,7 +121,7 @@ TEST_CASE("a random delay loses no run", "[position_control]") {
   }
 }
 
-TEST_CASE("a press on a model that is wrong is quiet with 2 and 3 ticks", "[position_control]") {
+TEST_CASE("a press on a model that is wrong bounces by less than a quarter millimetre", "[position_control]") {
   for (const int delay : {2, 3}) {
     WallDesignSetup setup = setupFor(delay, delay);
     setup.inertiaError = 0.3;
@@ -129,6 +129,25 @@ TEST_CASE("a press on a model that is wrong is quiet with 2 and 3 ticks", "[posi
     CHECK(s.bounce < 1.25 * kBounce);  // the goals are kBounce and kRamp; a thousand runs reach 0.246 and 0.122 mm
     CHECK(s.ramp < 1.05 * kRamp[delay]);
   }
+}
+
+TEST_CASE(
+    "a press on a model that is wrong is quiet with 2 and 3 ticks, and random delays keep their "
+    "depth (expected failure until the controller follows from physics)",
+    "[!shouldfail][position_control]") {
+  constexpr int kRuns = 30;  // fewer do not reach the limits
+  for (const int delay : {2, 3}) {
+    WallDesignSetup setup = setupFor(delay, delay);
+    setup.inertiaError = 0.3;
+    setup.runs = std::max(setup.runs, kRuns);
+    const WallScore s = evaluate(setup);
+    CHECK(s.bounce < kBounce);
+    CHECK(s.ramp < kRamp[delay]);
+  }
+  // The limit for 0 to 3 ticks is 0.8 mm, for 1000 runs; with a later command the depth grows with its square.
+  WallDesignSetup setup = setupFor(0, 3);
+  setup.runs = std::max(setup.runs, kRuns);
+  CHECK(evaluate(setup).deepest < 0.85e-3);
 }
 
 TEST_CASE("a design's evaluation sees a tool slide off a ball", "[position_control]") {

@@ -69,7 +69,7 @@ struct Imperfection {
   double most;
 };
 constexpr Imperfection kImperfections[] = {
-    {"current_bandwidth", "Hz", &Imperfections::currentBandwidth, 1e6},
+    {"current_bandwidth", "Hz", &Imperfections::currentBandwidth, kLargestBandwidth},
     {"torque_step", "E", &Imperfections::torqueStep, 1.0},
     {"torque_ripple", "of the torque", &Imperfections::torqueRipple, 1.0},
     {"cogging", "E", &Imperfections::cogging, 10.0},

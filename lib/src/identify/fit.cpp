@@ -45,8 +45,9 @@ void interpolate(const RecordedMotion& motion, Eigen::Index first, Eigen::Matrix
 
 }  // namespace
 
-Fit::Fit(DeviceModel reference, std::vector<Unknown> unknowns, const std::vector<RecordedMotion>& motions, int threads)
-    : reference_(std::move(reference)), unknowns_(std::move(unknowns)), motions_(motions), threads_(threads) {
+Fit::Fit(DeviceModel reference, std::vector<Unknown> unknowns, const std::vector<RecordedMotion>& motions,
+         int mostThreads)
+    : threads(mostThreads), reference_(std::move(reference)), unknowns_(std::move(unknowns)), motions_(motions) {
   x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size()));
   isFixed.assign(unknowns_.size(), 0);
   observer_ = observerFor(reference_, motions.front().period);
@@ -88,11 +89,10 @@ void Fit::use(double begin, double end) {
 }
 
 // Throws ConfigurationError if no device has these numbers, for example a tensor that breaks the triangle inequality.
-std::vector<PathDynamics> Fit::pathsAt(const DeviceModel& model, double period, int interval) const {
+std::vector<PathDynamics> Fit::computePaths(const DeviceModel& model, double period, int interval) const {
   const std::shared_ptr<const Mechanism> mechanism = deviceOf(model).mechanism;
   std::vector<PathDynamics> paths;
-  for (const Piece& piece : pieces_)
-    paths.push_back(dynamicsAlong(*mechanism, piece.route, period, interval, threads_));
+  for (const Piece& piece : pieces_) paths.push_back(dynamicsAlong(*mechanism, piece.route, period, interval, threads));
   return paths;
 }
 
@@ -105,7 +105,7 @@ const std::vector<PathDynamics>& Fit::pathsAt(const Eigen::VectorXd& at, const D
   }
   if (isSame) return paths_;
   pathsAt_.resize(0);
-  paths_ = pathsAt(model, period(), observer_.interval);
+  paths_ = computePaths(model, period(), observer_.interval);
   pathsAt_ = at;
   return paths_;
 }
@@ -113,7 +113,7 @@ const std::vector<PathDynamics>& Fit::pathsAt(const Eigen::VectorXd& at, const D
 std::vector<Simulated> Fit::simulateAll(const DeviceModel& model, const Observer& observer,
                                         const std::vector<PathDynamics>& paths) const {
   std::vector<Simulated> all(pieces_.size());
-  parallelFor(pieces_.size(), threads_, [&](std::size_t p) {
+  parallelFor(pieces_.size(), threads, [&](std::size_t p) {
     all[p] = simulate(model, paths[p], *pieces_[p].motion, observer, pieces_[p].start, pieces_[p].route.cols());
   });
   return all;
@@ -176,7 +176,7 @@ void Fit::updateSlopes() {
   std::vector<std::size_t> free;
   std::vector<ModelChange> changes;
   std::vector<std::vector<PathDynamics>> slopes;  // of the paths; they are small, so that half the knots do
-  const std::vector<PathDynamics> straight = pathsAt(here, 0.0, 2 * observer_.interval);
+  const std::vector<PathDynamics> straight = computePaths(here, 0.0, 2 * observer_.interval);
   for (std::size_t i = 0; i < unknowns_.size(); ++i) {
     if (isFixed[i] != 0) continue;
     free.push_back(i);
@@ -184,12 +184,12 @@ void Fit::updateSlopes() {
     slopes.emplace_back();
     slopes_[i].resize(pieces_.size());
     if (unknowns_[i].isOfDrives) continue;
-    slopes.back() = pathsAt(changes.back().after, 0.0, 2 * observer_.interval);
+    slopes.back() = computePaths(changes.back().after, 0.0, 2 * observer_.interval);
     for (std::size_t p = 0; p < pieces_.size(); ++p)
       slopes.back()[p].knots = (slopes.back()[p].knots - straight[p].knots) / changes.back().width;
   }
   const std::size_t groups = (free.size() + kLanes - 1) / kLanes;
-  parallelFor(groups * pieces_.size(), threads_, [&](std::size_t task) {
+  parallelFor(groups * pieces_.size(), threads, [&](std::size_t task) {
     const std::size_t p = task % pieces_.size(), begin = task / pieces_.size() * kLanes;
     const std::size_t end = std::min(free.size(), begin + kLanes);
     const Piece& piece = pieces_[p];
@@ -271,7 +271,7 @@ void Fit::normalEquations(const Residuals& residuals, const Powers& powers, Eige
   const auto count = static_cast<Eigen::Index>(free.size());
   const auto joints = static_cast<std::size_t>(residuals.front().rows());
   std::vector<Eigen::MatrixXd> sums(pieces_.size() * joints);
-  parallelFor(sums.size(), threads_, [&](std::size_t task) {
+  parallelFor(sums.size(), threads, [&](std::size_t task) {
     const std::size_t p = task / joints;
     const auto joint = static_cast<Eigen::Index>(task % joints);
     const Spectrum& spectrum = *pieces_[p].spectrum;
@@ -465,7 +465,7 @@ void Fit::refine() {
   for (fine.parts = kFineParts; !isFine && fine.parts <= kMostParts; fine.parts *= 2) {
     fine.substeps = 2 * fine.parts;
     fine.interval = std::max(1, observer_.interval * kFineParts / (2 * fine.parts));
-    Residuals now = residuals(simulateAll(here, fine, pathsAt(here, period(), fine.interval)));
+    Residuals now = residuals(simulateAll(here, fine, computePaths(here, period(), fine.interval)));
     isFine = !before.empty();
     for (std::size_t p = 0; p < before.size(); ++p) {
       const Eigen::MatrixXd error = (now[p] - before[p]) / 3.0;

@@ -83,6 +83,7 @@ class Fit {
 
   Eigen::VectorXd x;          ///< coordinates of the unknowns
   std::vector<char> isFixed;  ///< unknowns that improve() does not change
+  int threads;                ///< of simulations; results do not depend on it
   int restarts = 0;           ///< of the last simulation at x; above 0: the model left the workspace
 
  private:
@@ -100,7 +101,7 @@ class Fit {
   using Residuals = std::vector<Eigen::MatrixXd>;            // per piece, joints x ticks
   using Powers = std::vector<std::vector<Eigen::VectorXd>>;  // per piece and joint, at each frequency
 
-  std::vector<PathDynamics> pathsAt(const DeviceModel& model, double period, int interval) const;
+  std::vector<PathDynamics> computePaths(const DeviceModel& model, double period, int interval) const;
   const std::vector<PathDynamics>& pathsAt(const Eigen::VectorXd& at, const DeviceModel& model);
   std::vector<Simulated> simulateAll(const DeviceModel& model, const Observer& observer,
                                      const std::vector<PathDynamics>& paths) const;
@@ -124,7 +125,6 @@ class Fit {
   DeviceModel reference_;
   std::vector<Unknown> unknowns_;
   const std::vector<RecordedMotion>& motions_;
-  int threads_;
   Observer observer_;
   std::vector<PathDynamics> paths_;  // of the pieces
   Eigen::VectorXd pathsAt_;          // x of paths_

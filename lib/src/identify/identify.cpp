@@ -54,6 +54,7 @@ Candidate tryDelay(Fit fit, int low, int high) {
   const Unknown& lag = fit.unknowns()[static_cast<std::size_t>(lagAt)];
   const double period = fit.period();
   const double whole = delay.at(fit.x[delayAt]) * period + lag.at(fit.x[lagAt]);  // s
+  fit.threads = 1;                                                                // candidates run in parallel
   fit.reference().spread = high - low;
   fit.x[delayAt] = (low - delay.reference) / delay.scale;
   const double rest = std::max(0.0, whole - 0.5 * (low + high) * period);
@@ -89,7 +90,7 @@ std::string textOf(const Candidate& c) {
   return std::to_string(c.low) + (c.high > c.low ? ".." + std::to_string(c.high) : "");
 }
 
-DelayEstimate chooseDelay(Fit& fit, int threads) {
+DelayEstimate chooseDelay(Fit& fit) {
   const int delayAt = fit.find("loop delay"), lagAt = fit.find("motor lag");
   const double value = fit.unknowns()[static_cast<std::size_t>(delayAt)].at(fit.x[delayAt]);
   const double whole = value + fit.unknowns()[static_cast<std::size_t>(lagAt)].at(fit.x[lagAt]) / fit.period();
@@ -100,7 +101,7 @@ DelayEstimate chooseDelay(Fit& fit, int threads) {
     for (int low = 0; low + 0.5 * spread <= whole + 0.3 + margin; ++low)
       if (low + 0.5 * spread >= value - 0.8 - margin) all.push_back({low, low + spread, 0.0, {}});
   }
-  parallelFor(all.size(), threads, [&](std::size_t i) { all[i] = tryDelay(fit, all[i].low, all[i].high); });
+  parallelFor(all.size(), fit.threads, [&](std::size_t i) { all[i] = tryDelay(fit, all[i].low, all[i].high); });
   std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.misfit < b.misfit; });
   fit.reference().spread = all[0].high - all[0].low;
   fit.x = all[0].x;
@@ -216,9 +217,8 @@ DeviceParameters withDrive(DeviceModel model) {
   Imperfections e = model.drive;
   e.coulombFriction = model.coulomb.mean();
   e.cogging = (model.sine.array().square() + model.cosine.array().square()).sqrt().mean();
-  constexpr double kMostBandwidth = 1e6;  // Hz, of a file; a shorter lag counts as zero
   const double bandwidth = 1.0 / (2.0 * M_PI * model.lag);
-  e.currentBandwidth = bandwidth <= kMostBandwidth ? bandwidth : 0.0;
+  e.currentBandwidth = bandwidth <= kLargestBandwidth ? bandwidth : 0.0;
   if (auto* tau = std::get_if<TauParameters>(&model.device)) scaleLinks(model.links, *tau);
   if (auto* cartesian = std::get_if<CartesianParameters>(&model.device); cartesian != nullptr && cartesian->axes > 3)
     e.coulombFriction = e.cogging = 0.0;  // the file has one number for forces and moments
@@ -248,7 +248,7 @@ Identification identifyDevice(const std::vector<RecordedMotion>& motions, const 
   fit.improve(8);
   for (int round = 0; round < 3 && slideDelay(fit); ++round) fit.improve(8);
   addCogging(fit);
-  result.delay = chooseDelay(fit, options.threads > 0 ? options.threads : availableThreads());
+  result.delay = chooseDelay(fit);
   const double end = std::min(kMostData, kShare * durationOf(motions));
   for (const double data : {kCoarseData, end}) {
     fit.use(0.0, data);

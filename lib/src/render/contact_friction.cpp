@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "enamel/render/renderer.hpp"
 #include "render/contact_walls.hpp"
 
 namespace enamel {

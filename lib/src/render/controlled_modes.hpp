@@ -2,7 +2,7 @@
 #pragma once
 
 #include "enamel/render/position_control.hpp"
-#include "render/push_observer.hpp"
+#include "render/predicted_modes.hpp"
 
 namespace enamel {
 
@@ -11,9 +11,9 @@ struct ControlledModes {
   ModeData data;
   JointVector unseen;  ///< of each joint, as PushObserver()
   int count;
-  double handStep;                  ///< F_h, N
-  double axes[kMaxJoints][kLanes];  ///< column k: mode k in joint coordinates
-  Lane inertia, step, tremor;       ///< as PushObserver::State
+  double handStep;  ///< F_h, N
+  ModeAxes axes;
+  Lane inertia, step, tremor;  ///< as PushObserver::State
   Lane readingVariance, largestStep, joint;
 };
 

@@ -43,7 +43,7 @@ Matrix<kMech + 6> continuous(const Drive& drive, double inertia) {
 // neighbouring inertia, so it converges soon.
 template <int n>
 struct Design {
-  static constexpr int kMost = n + kMaxLoopDelay;
+  static constexpr int kMost = n + kMostPending;
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost + 1, kMost + 1>;
   using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMost + 1>;
 
@@ -141,10 +141,10 @@ double reactionTime(const ModeData& data) noexcept {
   return std::sqrt(square) * data.period;
 }
 
-JointVector unseenOf(const PositionControlOptions& options) {
-  JointVector unseen = JointVector::Zero(options.encoderStep.size());
+JointVector unseenOf(const JointVector& encoderStep, const JointVector& effort) {
+  JointVector unseen = JointVector::Zero(encoderStep.size());
   for (Eigen::Index j = 0; j < unseen.size(); ++j)
-    if (options.effort[j] > 0.0) unseen[j] = 0.5 * options.encoderStep[j] / options.effort[j];
+    if (effort[j] > 0.0) unseen[j] = 0.5 * encoderStep[j] / effort[j];
   return unseen;
 }
 

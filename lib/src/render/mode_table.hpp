@@ -20,12 +20,12 @@
 #include <vector>
 
 #include "enamel/device/mechanism.hpp"
-#include "enamel/render/position_control.hpp"
 
 namespace enamel {
 
-inline constexpr int kLanes = 8;  ///< modes computed in parallel: whole SIMD registers
-inline constexpr int kBins = 2;   ///< parts of a tick in which the push may jump
+inline constexpr int kLanes = 8;        ///< modes computed in parallel: whole SIMD registers
+inline constexpr int kBins = 2;         ///< parts of a tick in which the push may jump
+inline constexpr int kMostPending = 8;  ///< largest delayHigh - delayLow
 
 /// Data that all modes of a device share.
 struct ModeData {
@@ -46,7 +46,7 @@ double reactionTime(const ModeData& data) noexcept;
 
 /// Return half an encoder step over the largest torque of each joint, rad/(N m) or m/N; 0 of a joint without a motor.
 /// Realtime: no.
-JointVector unseenOf(const PositionControlOptions& options);
+JointVector unseenOf(const JointVector& encoderStep, const JointVector& effort);
 
 /// Return the rate of the motors' lag, 1/s; for motors without lag, that of 1e5 Hz. Realtime: yes.
 double lagOf(const Drive& drive) noexcept;
@@ -60,7 +60,7 @@ struct ModeModel {
   double onset[kBins][kMech];                    ///< mean effect of a unit push that begins anywhere in a bin
   double wander[(kMech + 2) * (kMech + 3) / 2];  ///< covariance (mechanical, push, growth) for a growth of deviation 1
   double gain[kMech + 1];                        ///< for mechanical states and lag, delayLow ticks after a sample
-  double pending[kMaxLoopDelay];                 ///< for the commands that may act instead, newest first
+  double pending[kMostPending];                  ///< for the commands that may act instead, newest first
 };
 
 /// Motion of rotor, link and motor of a mode with a constant push: x(t + seconds) = state x(t) + command u + push p.

@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "core/message.hpp"
-#include "enamel/collision/scene.hpp"
 #include "enamel/core/error.hpp"
 #include "render/contact_walls.hpp"
 #include "render/controlled_modes.hpp"
@@ -29,6 +28,7 @@ constexpr double kDoubtTime = 0.1, kMostDoubts = 12.0;  // s; more contradiction
 constexpr double kContradicts = 8.0;                    // deviations of an innovation that no push explains
 constexpr double kNear = 2e-5;    // m: a contact that stays farther outside for a tick carries no force
 constexpr int kRefreshTicks = 8;  // between two updates of the inertia
+static_assert(kMaxLoopDelay <= kMostPending);
 
 }  // namespace
 
@@ -76,26 +76,26 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   };
   // The states at the time when the command acts.
   struct alignas(64) Ahead {
-    States x, next;               // at that time, and a tick later without a force
-    States sensitivity;           // derivative of `next` by ln(mass), due to what acts from now on
-    Lane pending[kMaxLoopDelay];  // commands that may act instead of the new one, newest first
+    States x, next;              // at that time, and a tick later without a force
+    States sensitivity;          // derivative of `next` by ln(mass), due to what acts from now on
+    Lane pending[kMostPending];  // commands that may act instead of the new one, newest first
     PredictedModes modes;
   };
 
   Lane toModes(const JointRow& v) const noexcept { return enamel::toModes(memory_.axes, joints_, v); }
-  void start(const TickFrame& frame) noexcept;
+  void start(const TickFrame& frame, const JointRow& reading) noexcept;
   void decouple(const TickFrame& frame, bool whole) noexcept;
-  void observe(const TickFrame& frame) noexcept;
+  void observe(const TickFrame& frame, const JointRow& reading) noexcept;
   JointRow acting(int ahead) const noexcept;
-  void predict(const TickFrame& frame, Ahead& a) const noexcept;
+  void predict(const TickFrame& frame, const JointRow& reading, Ahead& a) const noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
   double largestSafe(const Ahead& a, const Lane& row, double step, double speed, double depth) noexcept;
   void repeat(const Kinematics& now, TickOutput& output) const noexcept;
 
   PositionControlOptions options_;
-  int joints_, low_, pending_;  // low_: delayLow; pending_: older commands that may act instead of the new one
-  double acts_;                 // largest number of ticks in which a command acts, by kRepeats deviations
+  int joints_, pending_;  // pending_: older commands that may act instead of the new one
+  double acts_;           // largest number of ticks in which a command acts, by kRepeats deviations
   Observer observer_;
   Rebound rebound_;
   alignas(64) Memory memory_;  // GCC 12 assumes this alignment
@@ -105,12 +105,11 @@ template <int kMech>
 PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControlOptions& options)
     : options_(options),
       joints_(static_cast<int>(options.encoderStep.size())),
-      low_(options.delayLow),
       pending_(options.delayHigh - options.delayLow),
       acts_(std::min(pending_ + 1.0, 1.0 + kRepeats * std::sqrt(pending_ / (pending_ + 1.0)))),
       observer_(
           {options.period, options.delayLow, options.delayHigh, options.drive, kPushShare, kForceCost, kModelError},
-          unseenOf(options)),
+          unseenOf(options.encoderStep, options.effort)),
       rebound_{reactionTime(observer_.data()), options.encoderStep} {}
 
 template <int kMech>
@@ -131,8 +130,9 @@ PositionControlState PositionControlRenderer::ControllerOf<kMech>::state() const
 template <int kMech>
 ControlledModes PositionControlRenderer::ControllerOf<kMech>::modes() const noexcept {
   const typename Observer::State& s = memory_.observer;
-  ControlledModes m{observer_.data(), unseenOf(options_), joints_,           memory_.step,  {},     s.inertia,
-                    s.step,           s.tremor,           s.readingVariance, s.largestStep, s.joint};
+  const JointVector unseen = unseenOf(options_.encoderStep, options_.effort);
+  ControlledModes m{observer_.data(), unseen,   joints_,           memory_.step,  {},     s.inertia,
+                    s.step,           s.tremor, s.readingVariance, s.largestStep, s.joint};
   std::memcpy(m.axes, memory_.axes, sizeof m.axes);
   return m;
 }
@@ -201,7 +201,7 @@ void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& fra
 }
 
 template <int kMech>
-void PositionControlRenderer::ControllerOf<kMech>::start(const TickFrame& frame) noexcept {
+void PositionControlRenderer::ControllerOf<kMech>::start(const TickFrame& frame, const JointRow& reading) noexcept {
   const Kinematics& k = frame.kinematics;
   const double ignored = memory_.ignored;
   memory_ = Memory{};
@@ -216,14 +216,14 @@ void PositionControlRenderer::ControllerOf<kMech>::start(const TickFrame& frame)
   memory_.step = std::min(kStepForce / options_.scale, kStepShare * std::max(0.0, force));
   for (int j = 0; j < joints_; ++j) memory_.axes[j][j] = 1.0;
   decouple(frame, true);
-  memory_.lastReading = memory_.lastEstimate = readingOf(frame);
+  memory_.lastReading = memory_.lastEstimate = reading;
   observer_.start(memory_.observer, joints_, toModes(memory_.lastReading));
   memory_.started = 1.0;
 }
 
 // Advance the observer to this tick, and correct it if there is a new sample.
 template <int kMech>
-void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& frame) noexcept {
+void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& frame, const JointRow& reading) noexcept {
   Memory& m = memory_;
   const double T = options_.period, elapsed = frame.time - m.lastTime;
   const int ticks = static_cast<int>(std::lround(elapsed / T));
@@ -233,7 +233,7 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     decouple(frame, false);
   }
   observer_.refresh(m.observer);
-  JointRow acted = acting(0), reading = readingOf(frame);
+  JointRow acted = acting(0), rates{};
   if (frame.applied)
     for (int j = 0; j < joints_; ++j) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];
   const Lane command = toModes(acted), y = toModes(reading);
@@ -247,10 +247,8 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     if (contradicts && m.contradictions == 0.0) {
       m.ignored += 1.0;
     } else if (contradicts) {
-      Lane rate{};
-      for (int j = 0; j < joints_; ++j) reading[j] = (reading[j] - m.lastReading[j]) / elapsed;
-      rate = toModes(reading);
-      observer_.believe(m.observer, y, rate);
+      for (int j = 0; j < joints_; ++j) rates[j] = (reading[j] - m.lastReading[j]) / elapsed;
+      observer_.believe(m.observer, y, toModes(rates));
     } else {
       observer_.correct(m.observer, y);
     }
@@ -265,17 +263,18 @@ template <int kMech>
 JointRow PositionControlRenderer::ControllerOf<kMech>::acting(int ahead) const noexcept {
   JointRow mean{};
   for (int d = 0; d <= pending_; ++d)
-    for (int j = 0; j < joints_; ++j) mean[j] += memory_.sent[low_ + d - ahead][j] / (pending_ + 1);
+    for (int j = 0; j < joints_; ++j) mean[j] += memory_.sent[options_.delayLow + d - ahead][j] / (pending_ + 1);
   return mean;
 }
 
 template <int kMech>
-void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& frame, Ahead& a) const noexcept {
+void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& frame, const JointRow& reading,
+                                                           Ahead& a) const noexcept {
   const typename Observer::State& s = memory_.observer;
   const double T = options_.period, scale = std::exp(s.scale);
   std::memcpy(a.x, s.mean, sizeof a.x);
   std::memset(a.sensitivity, 0, sizeof a.sensitivity);
-  for (int ahead = 1; ahead <= low_; ++ahead) {
+  for (int ahead = 1; ahead <= options_.delayLow; ++ahead) {
     const Lane command = toModes(acting(ahead));
     observer_.advanceSensitivity(command, a.x, a.sensitivity);
     observer_.advance(command, a.x);
@@ -290,8 +289,8 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   m.count = joints_;
   m.period = T;
   m.handStep = memory_.step;
-  m.seconds = (low_ + frame.age) * T;
-  m.now = toModes(readingOf(frame));
+  m.seconds = (options_.delayLow + frame.age) * T;
+  m.now = toModes(reading);
   m.readingVariance = s.readingVariance;
   m.inertia.fill(1.0);
   for (int k = 0; k < joints_; ++k) {
@@ -331,7 +330,7 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
       byMass += outward[i][k] * a.sensitivity[i][k];
       byCommand -= outward[i][k] * observer_.commandSensitivity(i)[k] * row[k];
     }
-  for (int d = 0; d <= low_; ++d) observer_.pullBack(outward);
+  for (int d = 0; d <= options_.delayLow; ++d) observer_.pullBack(outward);
   const auto force = observer_.moments(memory_.observer, push),
              uncertain = observer_.moments(memory_.observer, outward);
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
@@ -416,15 +415,17 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
     repeat(kin, output);
     return Status::ok;
   }
+  JointRow reading{};
+  for (int j = 0; j < n; ++j) reading[j] = kin.q[j];
   if (m.started == 0.0 || elapsed < 0.0 || elapsed > kMostTicks * options_.period)
-    start(frame);
+    start(frame, reading);
   else
-    observe(frame);
+    observe(frame, reading);
   m.lastTime = frame.time;
   if (m.doubts > kMostDoubts) return Status::outOfRange;  // no tool moves like this
 
   Ahead a;
-  predict(frame, a);
+  predict(frame, reading, a);
   double sum = 0.0;
   for (int k = 0; k < n; ++k) sum += a.modes.next[k] + a.modes.law.wouldBe[k];
   if (!std::isfinite(sum)) return Status::notFinite;
@@ -459,7 +460,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
     output.torque[j] = kin.gravity[j] + torque[j] + held[j];
   }
   output.saturated = saturate(output.torque, kin.gravity, frame.maxTorque) || output.saturated;
-  m.lastReading = readingOf(frame);
+  m.lastReading = reading;
   m.lastNormal = output.normalForce;
   for (int i = kMaxLoopDelay; i > 0; --i) m.sent[i] = m.sent[i - 1];
   for (int j = 0; j < n; ++j) m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] : 0.0;

@@ -24,13 +24,6 @@ inline JointRow toJoints(const ModeAxes& axes, int joints, const Lane& m) noexce
   return v;
 }
 
-/// Return the measured joints. Realtime: yes.
-inline JointRow readingOf(const TickFrame& frame) noexcept {
-  JointRow reading{};
-  for (Eigen::Index j = 0; j < frame.kinematics.q.size(); ++j) reading[j] = frame.kinematics.q[j];
-  return reading;
-}
-
 /// All lanes are in mode coordinates.
 struct PredictedModes {
   const ModeAxes* axes;

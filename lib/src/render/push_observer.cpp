@@ -51,9 +51,9 @@ void PushObserver<kMech>::describe(State& s, int k, double inertia, double step,
   s.tremor[k] = tremor;
   s.readingVariance[k] = reading.variance;
   s.largestStep[k] = reading.largest;
-  const auto tableAt = [&](double joint) { return table_[static_cast<std::size_t>(joint)].get(); };
-  if (tableAt(reading.joint) != tableAt(s.joint[k])) s.used[k] = 0.0;  // refresh() reads the other table
+  const auto* before = &tableOf(s, k);
   s.joint[k] = reading.joint;
+  if (&tableOf(s, k) != before) s.used[k] = 0.0;  // refresh() reads the other table
 }
 
 template <int kMech>

@@ -4,6 +4,8 @@
 
 namespace enamel {
 
+inline constexpr double kLargestBandwidth = 1e6;  ///< Hz, of a current loop in a device file
+
 /// The table [imperfections] of a device file. Zero, the default, means ideal. All values are at the joint's side and
 /// the same for all driven joints. On Cartesian devices N m means N, and rad means m. data/README.md gives the sources
 /// of the values in the shipped file.
