@@ -232,89 +232,108 @@ RemovedVolume Solid::cut(const Segment& from, const Segment& to, double radius, 
   return removed;
 }
 
+// A bur at one place; lengths in cells, positions from the grid's origin.
+struct Solid::Capsule {
+  Vec3 a;
+  Eigen::Vector3f span;                // b - a
+  float perLength;                     // 1 / |span|^2; 0 for a ball
+  float reach, inner, most;            // of the surface; squared distances at the ends of the band are inner^2, most
+  double cellVolume;                   // of a cell, m^3
+  std::array<int, 3> first{}, last{};  // samples within reach
+};
+
 // Returns the number of bricks that it visited.
 int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed) noexcept {
   const Vec3 a = (axis.a - origin_) / cell_, b = (axis.b - origin_) / cell_;
-  const double r = radius / cell_, volume = cell_ * cell_ * cell_;
+  const double r = radius / cell_;
+  Capsule capsule{a, (b - a).cast<float>(), 0.0f, 0.0f, 0.0f, 0.0f, cell_ * cell_ * cell_};
   // The interpolation of a curved distance lies above it by a twelfth of its Laplacian on average. Along the path of a
   // bur the Laplacian is 1 / r. The grid cannot resolve the curvature of a bur smaller than a cell.
-  const float reach = static_cast<float>(r + (r > 1.0 ? 1.0 / (12.0 * r) : r / 12.0));
-  const float inner = std::max(reach - kBand, 0.0f), most = (reach + kBand) * (reach + kBand);
-  const double around = static_cast<double>(reach) + kBand;
-  const Eigen::Vector3f span = (b - a).cast<float>();
-  const float perLength = span.isZero(0.0f) ? 0.0f : 1.0f / span.squaredNorm();
+  capsule.reach = static_cast<float>(r + (r > 1.0 ? 1.0 / (12.0 * r) : r / 12.0));
+  capsule.inner = std::max(capsule.reach - kBand, 0.0f),
+  capsule.most = (capsule.reach + kBand) * (capsule.reach + kBand);
+  const double around = static_cast<double>(capsule.reach) + kBand;
+  const Eigen::Vector3f span = capsule.span;
+  if (!span.isZero(0.0f)) capsule.perLength = 1.0f / span.squaredNorm();
   const Vec3 low = (a.cwiseMin(b).array() - around).ceil(), high = (a.cwiseMax(b).array() + around).floor();
-  std::array<int, 3> first, last;  // samples
+  std::array<int, 3> firstBrick, lastBrick;
   for (int i = 0; i < 3; ++i) {
-    first[i] = static_cast<int>(std::max(low[i], 0.0));
-    last[i] = static_cast<int>(std::min(high[i], static_cast<double>(kBrickCells) * count_[i]));
-    if (first[i] > last[i]) return 0;
+    const int first = static_cast<int>(std::max(low[i], 0.0));
+    const int last = static_cast<int>(std::min(high[i], static_cast<double>(kBrickCells) * count_[i]));
+    if (first > last) return 0;
+    capsule.first[i] = first, capsule.last[i] = last;
+    firstBrick[i] = std::max((first - 1) / kBrickCells, 0);
+    lastBrick[i] = std::min(last / kBrickCells, count_[i] - 1);
   }
-  const auto firstBrick = [&](int i) { return std::max((first[i] - 1) / kBrickCells, 0); };
-  const auto lastBrick = [&](int i) { return std::min(last[i] / kBrickCells, count_[i] - 1); };
   // A brick whose centre is farther away is out of reach.
   const float farthest = static_cast<float>(around + kHalfDiagonal) + 1e-3f;
   int bricks = 0;
-  for (int bz = firstBrick(2); bz <= lastBrick(2); ++bz)
-    for (int by = firstBrick(1); by <= lastBrick(1); ++by)
-      for (int bx = firstBrick(0); bx <= lastBrick(0); ++bx) {
+  for (int bz = firstBrick[2]; bz <= lastBrick[2]; ++bz)
+    for (int by = firstBrick[1]; by <= lastBrick[1]; ++by)
+      for (int bx = firstBrick[0]; bx <= lastBrick[0]; ++bx) {
         const std::int32_t number = brickAt(bx, by, bz);
         if (number < 0) continue;
-        Brick& brick = bricks_[static_cast<std::size_t>(number)];
-        if (perLength != 0.0f) {  // a long diagonal axis: most bricks of its box are out of reach
+        if (capsule.perLength != 0.0f) {  // a long diagonal axis: most bricks of its box are out of reach
           const Eigen::Vector3f middle = (kBrickCells * (Vec3(bx, by, bz).array() + 0.5) - a.array()).cast<float>();
-          const float t = std::clamp(middle.dot(span) * perLength, 0.0f, 1.0f);
+          const float t = std::clamp(middle.dot(span) * capsule.perLength, 0.0f, 1.0f);
           if ((middle - t * span).squaredNorm() > farthest * farthest) continue;
         }
         ++bricks;
-        const std::array<int, 3> corner = {kBrickCells * bx, kBrickCells * by, kBrickCells * bz};
-        std::array<int, 3> i0, i1;  // samples out of reach have values below -kBand
-        for (int i = 0; i < 3; ++i) {
-          i0[i] = std::max(first[i] - corner[i], 0);
-          i1[i] = std::min(last[i] - corner[i], kBrickCells);
-        }
-        // Offsets of the samples from a, with the same bits in every brick that has them.
-        const auto away = [&](int i, int k) { return static_cast<float>(corner[i] + k - a[i]); };
-        Row dx;
-        for (int k = 0; k < kLanes; ++k) dx[k] = away(0, sampleOf(k));
-        const Row dx2 = dx.square();
-        bool isCut = false, isTurned = false;
-        for (int z = i0[2]; z <= i1[2]; ++z)
-          for (int y = i0[1]; y <= i1[1]; ++y) {
-            float* row = brick.samples.data() + sampleAt(0, y, z);
-            const float dy = away(1, y), dz = away(2, z);
-            Row squared;
-            if (perLength == 0.0f) {
-              if (dy * dy + dz * dz > most) continue;
-              squared = dx2 + (dy * dy + dz * dz);
-            } else {
-              const Row t = ((dx * span[0] + (dy * span[1] + dz * span[2])) * perLength).max(0.0f).min(1.0f);
-              squared = (dx - t * span[0]).square() + (dy - t * span[1]).square() + (dz - t * span[2]).square();
-            }
-            Row before;
-            before.head<8>() = Eigen::Map<const Eigen::Array<float, 8, 1>>(row);
-            before.tail<4>() = Eigen::Map<const Eigen::Array<float, 4, 1>>(row + sampleOf(8));
-            // Is reach - distance above any sample, except those at the end of the band?
-            if (!(((reach - before).max(0.0f).square() - squared.max(inner * inner)).maxCoeff() > 0.0f)) continue;
-            if (!std::exchange(isCut, true)) keep(brick);
-            Row after;
-            for (int k = 0; k < kLanes; ++k)
-              after[k] = std::min(std::max(before[k], reach - std::sqrt(squared[k])), kBand);
-            std::copy_n(after.data(), kBrickCells, row);
-            row[kBrickCells] = after[kLanes - 1];
-            int turned = 0;
-            for (int k = 0; k < kLanes; ++k)
-              turned |= static_cast<int>(before[k] < 0.0f) & static_cast<int>(after[k] >= 0.0f);
-            isTurned = isTurned || turned != 0;
-            const Row taken = shareOf(before) - shareOf(after);
-            if (y == kBrickCells || z == kBrickCells || !(taken.maxCoeff() > 0.0f)) continue;
-            for (int x = 0; x < kBrickCells; ++x)
-              removed[brick.layer[cellAt(x, y, z)]] += static_cast<double>(taken[x]) * volume;
-          }
-        if (isTurned) findSurface(brick);
-        if (isCut) tellChanged(number);
+        cutBrick(number, capsule, removed);
       }
   return bricks;
+}
+
+void Solid::cutBrick(std::int32_t number, const Capsule& capsule, RemovedVolume& removed) noexcept {
+  Brick& brick = bricks_[static_cast<std::size_t>(number)];
+  const Vec3& a = capsule.a;
+  const Eigen::Vector3f& span = capsule.span;
+  const float perLength = capsule.perLength, reach = capsule.reach, inner = capsule.inner;
+  std::array<int, 3> corner, i0, i1;  // samples out of reach have values below -kBand
+  for (int i = 0; i < 3; ++i) {
+    corner[i] = kBrickCells * brick.place[i];
+    i0[i] = std::max(capsule.first[i] - corner[i], 0);
+    i1[i] = std::min(capsule.last[i] - corner[i], kBrickCells);
+  }
+  // Offsets of the samples from a, with the same bits in every brick that has them.
+  const auto away = [&](int i, int k) { return static_cast<float>(corner[i] + k - a[i]); };
+  Row dx;
+  for (int k = 0; k < kLanes; ++k) dx[k] = away(0, sampleOf(k));
+  const Row dx2 = dx.square();
+  bool isCut = false, isTurned = false;
+  for (int z = i0[2]; z <= i1[2]; ++z)
+    for (int y = i0[1]; y <= i1[1]; ++y) {
+      float* row = brick.samples.data() + sampleAt(0, y, z);
+      const float dy = away(1, y), dz = away(2, z);
+      Row squared;
+      if (perLength == 0.0f) {
+        if (dy * dy + dz * dz > capsule.most) continue;
+        squared = dx2 + (dy * dy + dz * dz);
+      } else {
+        const Row t = ((dx * span[0] + (dy * span[1] + dz * span[2])) * perLength).max(0.0f).min(1.0f);
+        squared = (dx - t * span[0]).square() + (dy - t * span[1]).square() + (dz - t * span[2]).square();
+      }
+      Row before;
+      before.head<8>() = Eigen::Map<const Eigen::Array<float, 8, 1>>(row);
+      before.tail<4>() = Eigen::Map<const Eigen::Array<float, 4, 1>>(row + sampleOf(8));
+      // Is reach - distance above any sample, except those at the end of the band?
+      if (!(((reach - before).max(0.0f).square() - squared.max(inner * inner)).maxCoeff() > 0.0f)) continue;
+      if (!std::exchange(isCut, true)) keep(brick);
+      Row after;
+      for (int k = 0; k < kLanes; ++k) after[k] = std::min(std::max(before[k], reach - std::sqrt(squared[k])), kBand);
+      std::copy_n(after.data(), kBrickCells, row);
+      row[kBrickCells] = after[kLanes - 1];
+      int turned = 0;
+      for (int k = 0; k < kLanes; ++k)
+        turned |= static_cast<int>(before[k] < 0.0f) & static_cast<int>(after[k] >= 0.0f);
+      isTurned = isTurned || turned != 0;
+      const Row taken = shareOf(before) - shareOf(after);
+      if (y == kBrickCells || z == kBrickCells || !(taken.maxCoeff() > 0.0f)) continue;
+      for (int x = 0; x < kBrickCells; ++x)
+        removed[brick.layer[cellAt(x, y, z)]] += static_cast<double>(taken[x]) * capsule.cellVolume;
+    }
+  if (isTurned) findSurface(brick);
+  if (isCut) tellChanged(number);
 }
 
 void Solid::tellChanged(std::int32_t brick) noexcept {

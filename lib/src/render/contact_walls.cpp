@@ -29,8 +29,8 @@ double Rebound::readingStep(const JointRow& row) const noexcept {
   return std::sqrt(square);
 }
 
-int collectWalls(const TickFrame& frame, const PredictedModes& modes, const JointRow& lastReading, double tremor,
-                 WallMemory& memory, Wall* walls) noexcept {
+int collectWalls(const TickFrame& frame, const PredictedModes& modes, const JointRow& lastReading, WallMemory& memory,
+                 Wall* walls) noexcept {
   const Kinematics& k = frame.kinematics;
   const double T = modes.period, moves = k.twist.head<3>().norm();
   JointRow moved{};
@@ -62,7 +62,7 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
       w.holds = before->holds;
       was = before->gap;
     }
-    const double way = tremor * complianceOf(modes, modes.toModes(w.row)) + (moves + std::abs(w.speed)) * T;
+    const double way = modes.tremor * complianceOf(modes, modes.toModes(w.row)) + (moves + std::abs(w.speed)) * T;
     w.gap = std::max(w.gap, was - way);
   }
   for (int i = 0; i < static_cast<int>(memory.count) && count < kMostWalls; ++i) {
@@ -76,7 +76,7 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
       wouldBe += row[mode] * (modes.law.wouldBe[mode] - modes.now[mode]);
     }
     const double along = std::sqrt(std::max(0.0, moves * moves - rate * rate));
-    const double step = tremor * soft + kFades * along * T;
+    const double step = modes.tremor * soft + kFades * along * T;
     w.gap += step;
     w.retreated += step;
     if (w.retreated > modes.handStep * soft && wouldBe + step > 0.0) continue;
@@ -102,8 +102,8 @@ int placeTargets(const PredictedModes& modes, const Rebound& rebound, double nea
       square += share;
       lead += share * modes.law.lead[k];
     }
-    if (gap > 0.0 || !(square > 0.0) ||
-        next > near + rebound.distance(modes.handStep, 1.0 / inverse, rebound.readingStep(w.row)))
+    const double reading = rebound.readingStep(w.row);
+    if (gap > 0.0 || !(square > 0.0) || next > near + rebound.distance(modes.handStep, 1.0 / inverse, reading))
       w.holds = 0.0;
     else if (next <= near)
       w.holds = 1.0;
@@ -111,6 +111,7 @@ int placeTargets(const PredictedModes& modes, const Rebound& rebound, double nea
     t.gap = gap - w.speed * lead / square;
     t.size = std::sqrt(square);
     t.compliance = w.softness / square;
+    t.doubt = 0.5 * reading + modes.tremor * square;
     t.wall = i;
     ++placed;
   }
@@ -134,11 +135,18 @@ void contactForces(const PredictedModes& modes, const Target* targets, int count
     h[i] = -targets[i].gap / targets[i].size * (1.0 + give) / (1.0 - give);
   }
   solveNonNegative(G, h, count, force);
-  double retreat = 0.0;
-  for (int i = 0; i < count; ++i) retreat += give * force[i];
+  // sum / deepest is 1 for a single wall, and 1 / s^2 for two that face each other but lean by s towards a way out.
+  double sum = 0.0, deepest = 0.0, doubt = 0.0;
+  for (int i = 0; i < count; ++i) {
+    sum += force[i];
+    doubt += force[i] * targets[i].doubt / targets[i].size;
+    deepest = std::max(deepest, h[i]);
+  }
+  if (!(sum > 0.0)) return;
+  const double retreat = std::max(2.0 * give * sum, doubt / sum * std::max(0.0, 1.0 - deepest / sum));
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j < count; ++j) G[i][j] -= give;
-    h[i] -= 2.0 * retreat;
+    h[i] -= retreat;
   }
   solveNonNegative(G, h, count, force);
   for (int i = 0; i < count; ++i) force[i] /= targets[i].size;

@@ -34,6 +34,7 @@ struct WallMemory {
 struct Target {
   Lane row;
   double gap, size, compliance;  ///< m; norm of the row in the metric 1 / stiffness; 1 / (material's stiffness size^2)
+  double doubt;  ///< uncertainty of the gap: half a step of the reading, and the deflection by a tremor, m
   int wall;
 };
 
@@ -51,9 +52,9 @@ struct Rebound {
 
 /// Collect the walls of this tick: those of the contacts, then those that vanished recently. The torque stays
 /// continuous when contacts are not. Walls that appear or vanish move only as fast as the tool does plus what a tremor
-/// of the hand (N) would cause. lastReading: joints. Returns their number, at most kMostWalls. Realtime: yes.
-int collectWalls(const TickFrame& frame, const PredictedModes& modes, const JointRow& lastReading, double tremor,
-                 WallMemory& memory, Wall* walls) noexcept;
+/// of the hand would cause. lastReading: joints. Returns their number, at most kMostWalls. Realtime: yes.
+int collectWalls(const TickFrame& frame, const PredictedModes& modes, const JointRow& lastReading, WallMemory& memory,
+                 Wall* walls) noexcept;
 
 /// Return the walls that may carry a force: the tool has reached them or will within a tick. near: a contact that stays
 /// farther outside carries none, m. Realtime: yes.
@@ -61,7 +62,7 @@ int placeTargets(const PredictedModes& modes, const Rebound& rebound, double nea
                  Target* targets) noexcept;
 
 /// Compute forces, N, that move the modes from where the hand would take them to the nearest point of the free space.
-/// If walls contradict each other, all of them give way by twice the least retreat. Realtime: yes.
+/// If walls contradict each other, all of them give way. Realtime: yes.
 void contactForces(const PredictedModes& modes, const Target* targets, int count, double* force) noexcept;
 
 /// Return the friction torque at the contacts. Its limit uses the force that balances the hand's push; the commanded

@@ -289,6 +289,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   m.count = joints_;
   m.period = T;
   m.handStep = memory_.step;
+  m.tremor = kTremorShare * memory_.step;
   m.seconds = (options_.delayLow + frame.age) * T;
   m.now = toModes(reading);
   m.readingVariance = s.readingVariance;
@@ -433,7 +434,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   Target targets[kMostWalls];
   double force[kMaxWalls] = {};
   const double near = kNear * options_.scale;
-  const int count = collectWalls(frame, a.modes, m.lastReading, kTremorShare * m.step, m.walls, walls),
+  const int count = collectWalls(frame, a.modes, m.lastReading, m.walls, walls),
             placed = placeTargets(a.modes, rebound_, near, walls, count, targets);
   m.walls.count = count;
   std::copy_n(walls, count, m.walls.wall.begin());

@@ -30,6 +30,7 @@ struct PredictedModes {
   int count;
   double period;        ///< s
   double handStep;      ///< step of the hand, N
+  double tremor;        ///< of the hand, N
   double seconds;       ///< from the sample to that time
   Lane now, estimate;   ///< links: measured, and estimated from all samples
   Lane place, rate;     ///< links at that time

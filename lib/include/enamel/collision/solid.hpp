@@ -123,6 +123,7 @@ class Solid {
     std::uint64_t marked = 0;                        // last mark at which the brick was saved for undo
     bool isChanged = false;
   };
+  struct Capsule;
   struct Kept {
     std::int32_t brick = -1;
     std::uint64_t mark = 0;
@@ -136,6 +137,7 @@ class Solid {
   void findSurface(Brick& brick) noexcept;
   void put(std::int32_t brick, const BrickSamples& samples) noexcept;
   int cutCapsule(const Segment& axis, double radius, RemovedVolume& removed) noexcept;
+  void cutBrick(std::int32_t number, const Capsule& capsule, RemovedVolume& removed) noexcept;
 
   double cell_;
   std::vector<SolidLayer> layers_;
