@@ -150,7 +150,7 @@ class Calls {
       input.inertia[i][i] = 0.05;
       input.max_torque[i] = 4.0;
     }
-    input.applied_known = numbers.pick(2);
+    input.applied_known = numbers.pick(3);
     input.age = numbers.pick(8) == 0 ? 1 : 0;
     input.contact_count = numbers.pick(3);
     for (int i = 0; i < input.contact_count; ++i) {

@@ -84,8 +84,9 @@ inline void toPlain(const TickFrame& in, EnamelTickInput& out) noexcept {
   out.age = in.age;
   toPlain(in.kinematics, out);
   toPlain(in.maxTorque, out.max_torque);
-  if (in.applied) toPlain(*in.applied, out.applied);
-  out.applied_known = in.applied ? 1 : 0;
+  const bool isSent = in.command.size() == in.kinematics.q.size();
+  out.applied_known = in.applied ? ENAMEL_APPLIED_REPORTED : isSent ? ENAMEL_APPLIED_SENT : ENAMEL_APPLIED_UNKNOWN;
+  if (out.applied_known != ENAMEL_APPLIED_UNKNOWN) toPlain(in.applied ? *in.applied : in.command, out.applied);
   out.joint_count = static_cast<int32_t>(in.kinematics.q.size());
   out.contact_count = in.contacts.count;
   for (int i = 0; i < storedContacts(in.contacts.count); ++i) toPlain(in.contacts.contacts[i], out.contacts[i]);
@@ -98,7 +99,9 @@ inline void fromPlain(const EnamelTickInput& in, bool withInertia, TickFrame& ou
   fromPlain(in, n, withInertia, out.kinematics);
   fromPlain(in.max_torque, n, out.maxTorque);
   out.applied.reset();
-  if (in.applied_known != 0) fromPlain(in.applied, n, out.applied.emplace());
+  out.command.resize(0);
+  if (in.applied_known == ENAMEL_APPLIED_REPORTED) fromPlain(in.applied, n, out.applied.emplace());
+  if (in.applied_known == ENAMEL_APPLIED_SENT) fromPlain(in.applied, n, out.command);
   out.contacts.count = in.contact_count;
   for (int i = 0; i < storedContacts(in.contact_count); ++i) {
     const EnamelContact& from = in.contacts[i];

@@ -57,6 +57,8 @@ class PluginRenderer final : public Renderer {
 
   Status render(const TickFrame& input, TickOutput& output) noexcept override {
     toPlain(input, input_);
+    if (table_.abi_version < ENAMEL_ABI_VERSION && input_.applied_known == ENAMEL_APPLIED_SENT)
+      input_.applied_known = ENAMEL_APPLIED_UNKNOWN;  // it would take it for a report
     const std::int32_t result = table_.step(self_.get(), &input_, &output_);
     if (result < ENAMEL_OK || result > ENAMEL_INACTIVE) return Status::inactive;  // not a status of a tick
     if (result != ENAMEL_OK) return static_cast<Status>(result);

@@ -103,8 +103,11 @@ Status PassivityRenderer::render(const TickFrame& frame, TickOutput& output) noe
   if (isSample && port.started != 0.0) {
     double taken = 0.0;
     for (Eigen::Index i = 0; i < n; ++i) {
-      const bool isTold = frame.applied && port.ticks == 1.0;
-      const double acted = isTold ? (*frame.applied)[i] - k.gravity[i] : port.torque[i];
+      double acted = port.torque[i];
+      if (port.ticks == 1.0 && frame.applied)
+        acted = (*frame.applied)[i] - k.gravity[i];
+      else if (port.ticks == 1.0 && frame.command.size() == n)  // others may have changed the torque
+        acted = frame.command[i] - k.gravity[i];
       taken -= acted * (k.q[i] - port.q[i] - port.ticks * period_ * carriedRates[i]);
     }
     alongLayers(port.depth, depth, [&](std::size_t i, double share) { port.energy[i] += share * taken; });

@@ -67,6 +67,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
     typename Observer::State observer{};
     double started = 0.0, lastTime = 0.0, ticks = 0.0;
     std::array<JointRow, kMaxLoopDelay + 1> sent{};            // without gravity, newest first
+    JointRow answer{};                                         // the last torque, with gravity
     JointRow lastReading{}, lastEstimate{};                    // joints
     double step = 0.0;                                         // step of the hand, N
     double contradictions = 0.0, ignored = 0.0, doubts = 0.0;  // doubts: recent contradictions
@@ -233,6 +234,8 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     decouple(frame, false);
   }
   observer_.refresh(m.observer);
+  if (frame.command.size() == joints_)  // others may have changed the answer: an effect, the guard, a renderer around
+    for (int j = 0; j < joints_; ++j) m.sent[0][j] += frame.command[j] - m.answer[j];
   JointRow acted = acting(0), rates{};
   if (frame.applied)
     for (int j = 0; j < joints_; ++j) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];
@@ -414,6 +417,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   output.saturated = false;
   if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {
     repeat(kin, output);
+    for (int j = 0; j < n; ++j) m.answer[j] = output.torque[j];
     return Status::ok;
   }
   JointRow reading{};
@@ -464,7 +468,10 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   m.lastReading = reading;
   m.lastNormal = output.normalForce;
   for (int i = kMaxLoopDelay; i > 0; --i) m.sent[i] = m.sent[i - 1];
-  for (int j = 0; j < n; ++j) m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] : 0.0;
+  for (int j = 0; j < n; ++j) {
+    m.answer[j] = frame.maxTorque[j] > 0.0 ? output.torque[j] : 0.0;
+    m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] : 0.0;
+  }
   return Status::ok;
 }
 

@@ -42,7 +42,8 @@ bool sizesAgree(const TickFrame& in) noexcept {
   const auto n = k.q.size();
   return n >= 1 && k.rates.size() == n && k.jacobian.cols() == n && k.inverseTransposed.cols() == n &&
          k.gravity.size() == n && (k.inertia.rows() == n || k.inertia.rows() == 0) &&
-         k.inertia.cols() == k.inertia.rows() && in.maxTorque.size() == n && (!in.applied || in.applied->size() == n);
+         k.inertia.cols() == k.inertia.rows() && in.maxTorque.size() == n && (!in.applied || in.applied->size() == n) &&
+         (in.command.size() == n || in.command.size() == 0);
 }
 
 bool isMaterial(const Material& m) noexcept {
@@ -57,9 +58,9 @@ bool isPlausible(const TickFrame& in) noexcept {
                    within(k.rates, kLargestRate) && within(k.pose.position, kLargestPosition) &&
                    within(k.twist.head<3>(), kLargestSpeed) && within(k.twist.tail<3>(), kLargestRate) &&
                    within(k.gravity, kLargestTorque) && (!in.applied || within(*in.applied, kLargestTorque)) &&
-                   within(in.maxTorque, kLargestTorque) && in.maxTorque.minCoeff() >= 0.0 &&
-                   within(k.jacobian, kLargestJacobian) && within(k.inverseTransposed, kLargestInverse) &&
-                   allFinite(k.inertia);
+                   within(in.command, kLargestTorque) && within(in.maxTorque, kLargestTorque) &&
+                   in.maxTorque.minCoeff() >= 0.0 && within(k.jacobian, kLargestJacobian) &&
+                   within(k.inverseTransposed, kLargestInverse) && allFinite(k.inertia);
   for (int i = 0; i < in.contacts.count; ++i) {
     const Contact& c = in.contacts.contacts[i];
     plausible = plausible && std::abs(c.gap) <= kLargestGap && within(c.point, kLargestPosition) &&
@@ -74,7 +75,7 @@ bool isFinite(const TickFrame& in) noexcept {
   bool finite = std::isfinite(in.time) && allFinite(k.q) && allFinite(k.rates) && allFinite(k.pose.position) &&
                 allFinite(k.pose.rotation) && allFinite(k.twist) && allFinite(k.jacobian) &&
                 allFinite(k.inverseTransposed) && allFinite(k.gravity) && allFinite(k.inertia) &&
-                allFinite(in.maxTorque) && (!in.applied || allFinite(*in.applied));
+                allFinite(in.maxTorque) && (!in.applied || allFinite(*in.applied)) && allFinite(in.command);
   for (int i = 0; i < in.contacts.count; ++i) finite = finite && isFinite(in.contacts.contacts[i]);
   return finite;
 }

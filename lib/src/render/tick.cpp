@@ -90,8 +90,6 @@ Status HapticTick::sense(const Measurement& m) noexcept {
   frame_.age = m.age;
   frame_.applied.reset();
   if (m.applied && m.applied->size() == mechanism_.joints() && guard_.believes(*m.applied)) frame_.applied = m.applied;
-  // Without a report the renderer assumes that its own output acted, unless the guard changed it.
-  if (!frame_.applied && (frame_.reason != GuardReason::none || effectActed_)) frame_.applied = frame_.command;
   return Status::ok;
 }
 
@@ -109,16 +107,14 @@ Status HapticTick::findContacts(double time) noexcept {
 }
 
 Status HapticTick::render(Status status) noexcept {
-  if (status == Status::ok) return addEffect(renderer_->step(frame_, frame_.output));
-  frame_.output = TickOutput{};
-  frame_.output.torque.setZero(mechanism_.joints());
-  return status;
-}
-
-// The renderer's own output does not contain the effect. It learns of it from the command that acted.
-Status HapticTick::addEffect(Status status) noexcept {
-  effectActed_ = status == Status::ok && !effect_.isZero(0.0);
-  if (effectActed_) frame_.output.torque += torqueOf(frame_.kinematics.jacobian, effect_);
+  if (status == Status::ok) {
+    status = renderer_->step(frame_, frame_.output);
+  } else {
+    frame_.output = TickOutput{};
+    frame_.output.torque.setZero(mechanism_.joints());
+  }
+  if (status == Status::ok && !effect_.isZero(0.0))
+    frame_.output.torque += torqueOf(frame_.kinematics.jacobian, effect_);
   return status;
 }
 

@@ -86,6 +86,13 @@ typedef struct EnamelContact {
   uint32_t key;                /* the same from tick to tick while the contact slides; 0: unknown */
 } EnamelContact;
 
+/* Kinds of EnamelTickInput.applied. */
+enum EnamelApplied {
+  ENAMEL_APPLIED_UNKNOWN = 0,  /* undefined */
+  ENAMEL_APPLIED_REPORTED = 1, /* the torque that acted since the last tick, as the device reports it */
+  ENAMEL_APPLIED_SENT = 2      /* no report: the torque that was sent at the last tick; it acts after the delay */
+};
+
 /* Input of a tick. Arrays of joints have joint_count valid entries; the others are undefined.
  * If age is k > 0, the last sample is k periods old. All data except time, applied and age are then those of that
  * sample. The renderer predicts from them and returns an output as at any other tick. Ticks may be missing and samples
@@ -99,7 +106,7 @@ typedef struct EnamelTickInput {
   double twist[6];                      /* of the TCP, W: v m/s, then w rad/s */
   double gravity[ENAMEL_MAX_JOINTS];    /* torque that balances gravity, N m or N */
   double max_torque[ENAMEL_MAX_JOINTS]; /* limit of each motor, N m or N */
-  double applied[ENAMEL_MAX_JOINTS];    /* torque that acted since the last tick, N m or N; see applied_known */
+  double applied[ENAMEL_MAX_JOINTS];    /* torque of the last tick, N m or N; see applied_known */
   /* jacobian[i] is the twist of a unit rate of joint i: twist = sum_i jacobian[i] rates[i]. A wrench F at the TCP
    * requires the torque tau_i = sum_k jacobian[i][k] F[k]. */
   double jacobian[ENAMEL_MAX_JOINTS][6];
@@ -109,7 +116,7 @@ typedef struct EnamelTickInput {
   double inertia[ENAMEL_MAX_JOINTS][ENAMEL_MAX_JOINTS]; /* M(q), symmetric; undefined without ENAMEL_NEEDS_INERTIA */
   int32_t joint_count;                                  /* 1 to ENAMEL_MAX_JOINTS, the same at every tick */
   int32_t contact_count;                                /* 0 to ENAMEL_MAX_CONTACTS */
-  int32_t applied_known;                                /* 0: `applied` is unknown and undefined */
+  int32_t applied_known;                                /* EnamelApplied */
   int32_t age;                                          /* age of the sample, periods; 0: a new sample */
   EnamelContact contacts[ENAMEL_MAX_CONTACTS];          /* deepest first; undefined from contact_count on */
 } EnamelTickInput;

@@ -67,7 +67,7 @@ struct TickFrame {
   int age = 0;                         ///< age of the sample, periods; 0: a new sample
   Kinematics kinematics;               ///< from the measurement; with the inertia if the renderer needs it
   JointVector maxTorque;               ///< limit of each motor, N m or N; 0: a joint without a motor
-  std::optional<JointVector> applied;  ///< torque that acted since the last tick, N m or N; empty: unknown
+  std::optional<JointVector> applied;  ///< torque that acted since the last tick, N m or N; empty: not reported
 
   // Find contacts, contact rows and responses.
   ContactSnapshot contacts;  ///< at the pose, deepest first
@@ -77,7 +77,7 @@ struct TickFrame {
   TickOutput output;
 
   // Guard.
-  JointVector command;                     ///< torque for the motors, N m or N
+  JointVector command;  ///< torque for the motors, N m or N; for the renderer: that of the last tick, empty: unknown
   GuardReason reason = GuardReason::none;  ///< why the command differs from the requested torque
 };
 

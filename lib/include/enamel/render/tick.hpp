@@ -90,7 +90,6 @@ class HapticTick {
   Status sense(const Measurement& measurement) noexcept;
   Status findContacts(double time) noexcept;
   Status render(Status status) noexcept;
-  Status addEffect(Status status) noexcept;
   void cut(double elapsed, bool isStopped) noexcept;
   void placeAt(const Pose& start) noexcept;
   std::size_t numbers() const noexcept;
@@ -101,7 +100,6 @@ class HapticTick {
   Guard guard_;
   TickFrame frame_;
   Vec6 effect_ = Vec6::Zero();
-  bool effectActed_ = false;    // at the last tick
   double sampleTime_ = kNever;  // of the last sample, s
   Drill* drill_ = nullptr;
 };
