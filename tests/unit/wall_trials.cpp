@@ -138,6 +138,17 @@ TEST_CASE(
   CHECK(figure(impacts(3), "impact 0.05 m/s", "bounce") < kMostBounce);
 }
 
+// The hand pushes while the tool sinks, so the speed rises a little.
+TEST_CASE("the extended rate-hardness of a spring is its stiffness", "[wall_trials]") {
+  WallTrialSetup setup = setupFor("tau-nominal.toml", 0);
+  for (const double stiffness : {500.0, 2000.0}) {
+    setup.renderer = [stiffness] { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{stiffness, 0.0}); };
+    const auto figures = runWallTrials(setup, "impact", 2);
+    for (const char* trial : {"impact 0.2 m/s", "impact 0.5 m/s"})
+      CHECK(figure(figures, trial, "extended rate-hardness") == Approx(1e-3 * stiffness).epsilon(0.05));
+  }
+}
+
 TEST_CASE("a wall that lets go gives the unavoidable speed on average", "[wall_trials]") {
   WallTrialSetup setup = setupFor("tau-nominal.toml", 0);
   setup.runs = 1;

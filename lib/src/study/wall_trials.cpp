@@ -23,7 +23,7 @@ constexpr double kOutside = 0.04;     // m: deeper in the wall is lost
 constexpr double kTouch = 2e-5;       // m: nearer counts as a touch
 constexpr double kImpactTime = 0.03;  // s after the touch; the impact is then over
 constexpr double kPreload = 1.0;      // N
-constexpr std::size_t kMaxFigures = 3;
+constexpr std::size_t kMaxFigures = 4;
 using Figures = std::array<double, kMaxFigures>;
 
 struct Context {
@@ -140,8 +140,8 @@ bool ramp(const Context& c, Figures& figures) {
 
 bool impact(const Context& c, double speed, Figures& figures) {
   bool touched = false;
-  double deepest = 0.0, early = 0.0;
-  int since = 0;  // ticks
+  double deepest = 0.0, early = 0.0, arrived = 0.0, force = 0.0, steepest = 0.0;  // m, m, m/s, N, N/s
+  int since = 0;                                                                  // ticks
   Hand hand;
   hand.height = 0.02;
   hand.duration = 0.06 / speed + 0.4;
@@ -158,15 +158,25 @@ bool impact(const Context& c, double speed, Figures& figures) {
       const double near = kTouch - c.setup.period * tick.gapRate;  // the wall may push from here on
       if (tick.rendered[2] > 0.3) early = std::max(early, gap - near);
     }
+    const double rate = (tick.rendered[2] - force) / c.setup.period;
+    force = tick.rendered[2];
     touched = touched || gap < kTouch;
-    if (!touched) return true;
-    if (++since < ticks(c, kImpactTime)) deepest = std::max(deepest, -gap);
+    if (!touched) {
+      arrived = -tick.gapRate;
+      steepest = rate;  // the touch may be in this tick
+      return true;
+    }
+    if (++since < ticks(c, kImpactTime)) {
+      deepest = std::max(deepest, -gap);
+      steepest = std::max(steepest, rate);
+    }
     figures[1] = std::max(figures[1], gap);
     return true;
   });
   if (!touched) return false;
   figures[0] = deepest / (speed * c.late + 0.5 * c.mass * speed * speed / (c.most - c.share * kPreload));
   figures[2] = early;
+  figures[3] = steepest / arrived;
   return stayed;
 }
 
@@ -305,8 +315,10 @@ struct Kind {
 };
 
 const std::vector<Kind>& kinds() {
-  const std::vector<FigureKind> impactFigures = {
-      {"depth of the allowed", "%", 100.0}, {"bounce", "um", 1e6}, {"pushed too early", "um", 1e6}};
+  const std::vector<FigureKind> impactFigures = {{"depth of the allowed", "%", 100.0},
+                                                 {"bounce", "um", 1e6},
+                                                 {"pushed too early", "um", 1e6},
+                                                 {"extended rate-hardness", "kN/m", 1e-3, true}};
   static const std::vector<Kind> all = {
       {"step", step, {{"share of the limit", "%", 100.0, true}, {"bounce", "um", 1e6}, {"chatter", "N m", 1.0}}},
       {"ramp", ramp, {{"depth", "um", 1e6}}},
@@ -356,7 +368,7 @@ std::vector<WallFigure> runWallTrials(const WallTrialSetup& setup, const std::st
   for (const Kind& kind : kinds())
     if (std::string(kind.name).find(filter) != std::string::npos) chosen.push_back(&kind);
   const auto runs = static_cast<std::size_t>(setup.runs);
-  std::vector<Figures> figures(chosen.size() * runs, Figures{kUnseen, kUnseen, kUnseen});
+  std::vector<Figures> figures(chosen.size() * runs, Figures{kUnseen, kUnseen, kUnseen, kUnseen});
   std::vector<char> stayed(figures.size());
   parallelFor(figures.size(), threads, [&](std::size_t i) {
     const int run = static_cast<int>(i % runs);
