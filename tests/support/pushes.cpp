@@ -57,7 +57,7 @@ TickFrame frameAt(const Mechanism& mechanism, const Pose& pose, double time, con
   frame.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);
   frame.contacts.count = 1;
   frame.maxTorque = mechanism.limits().effort;
-  frame.applied = frame.command = frame.kinematics.gravity;
+  frame.applied = frame.kinematics.gravity;
   if (fillContactRows(frame) != Status::ok) throw Error("the inertia is not positive definite");
   return frame;
 }

@@ -252,12 +252,12 @@ TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the sta
     refuse(Status::notFinite, [](TickFrame& in) { in.kinematics.gravity[1] = -HUGE_VAL; });
     refuse(Status::notFinite, [](TickFrame& in) { in.kinematics.inertia(2, 3) = std::nan(""); });
     refuse(Status::notFinite, [](TickFrame& in) { (*in.applied)[0] = std::nan(""); });
-    refuse(Status::notFinite, [](TickFrame& in) { in.command[0] = std::nan(""); });
+    refuse(Status::notFinite, [](TickFrame& in) { in.command = std::nan("") * in.maxTorque; });
     refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.q.conservativeResize(5); });
     refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.q.resize(0); });
     refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.jacobian.conservativeResize(6, 3); });
     refuse(Status::outOfRange, [](TickFrame& in) { in.applied->conservativeResize(1); });
-    refuse(Status::outOfRange, [](TickFrame& in) { in.command.conservativeResize(1); });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.command = in.maxTorque.head(1); });
     renderer->deactivate();
     CHECK(renderer->step(good, output) == Status::inactive);
   }

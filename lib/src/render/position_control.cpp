@@ -234,7 +234,8 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     decouple(frame, false);
   }
   observer_.refresh(m.observer);
-  if (frame.command.size() == joints_)  // others may have changed the answer: an effect, the guard, a renderer around
+  if (!frame.applied &&
+      frame.command.size() == joints_)  // others may have changed the answer: an effect, the guard, a renderer around
     for (int j = 0; j < joints_; ++j) m.sent[0][j] += frame.command[j] - m.answer[j];
   JointRow acted = acting(0), rates{};
   if (frame.applied)
