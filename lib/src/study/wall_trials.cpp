@@ -156,20 +156,16 @@ bool impact(const Context& c, double speed, Figures& figures) {
     const double gap = tick.nearest.gap;
     if (!touched) {
       const double near = kTouch - c.setup.period * tick.gapRate;  // the wall may push from here on
-      if (tick.rendered[2] > 0.3) early = std::max(early, gap - near);
+      if (tick.rendered[2] > 0.3)
+        early = std::max(early, gap - near);
+      else
+        arrived = -tick.gapRate;
     }
-    const double rate = (tick.rendered[2] - force) / c.setup.period;
+    if (since < ticks(c, kImpactTime)) steepest = std::max(steepest, (tick.rendered[2] - force) / c.setup.period);
     force = tick.rendered[2];
     touched = touched || gap < kTouch;
-    if (!touched) {
-      arrived = -tick.gapRate;
-      steepest = rate;  // the touch may be in this tick
-      return true;
-    }
-    if (++since < ticks(c, kImpactTime)) {
-      deepest = std::max(deepest, -gap);
-      steepest = std::max(steepest, rate);
-    }
+    if (!touched) return true;
+    if (++since < ticks(c, kImpactTime)) deepest = std::max(deepest, -gap);
     figures[1] = std::max(figures[1], gap);
     return true;
   });
