@@ -51,9 +51,10 @@ std::vector<std::string> wallTrialNames();
 ///   (firstImpactLimit()); largest distance above the rest; chatter (chatterOf(), last quarter of a second).
 /// - ramp: 1 N, then 10 N more in 50 ms. Figure: largest depth below the rest.
 /// - impact: thrown at 0.05, 0.2 and 0.5 m/s, then held with 1 N. Figures: depth over v t1 + m v^2 / (2 (F_max - 1 N));
-///   largest distance outside after the touch; distance outside v T + 20 um to which the tool was pushed before the
-///   touch. Also the extended rate-hardness: the largest rate of the motors' force until 30 ms after the touch, over
-///   the speed before it, lowest run (Han and Choi, "Extended rate-hardness", 2010). For a spring it is its stiffness.
+///   largest distance outside after the touch. Also the distance outside v T + 20 um to which the tool was pushed
+///   before the touch. Also the extended rate-hardness: the largest rate of the motors' force until 30 ms after the
+///   touch, over the speed before it, lowest run (Han and Choi, "Extended rate-hardness", 2010). For a spring it is its
+///   stiffness.
 /// - release: 12 N change to a pull of 1 N at a random time within a tick. Figures: strongest pull of the wall; speed 1
 ///   mm outside, worst and mean. The speed is relative to a wall that releases t1 after a step at a sample.
 /// - slide: over walls tilted in ten directions, at 0.1 m/s under 10 N without friction. Figures: tangential over
