@@ -13,7 +13,7 @@
 namespace enamel::identify {
 namespace {
 
-constexpr double kTransient = 0.5;      // s, skipped at the beginning of each piece
+constexpr double kTransient = 1.0;      // s, skipped at the beginning of each piece
 constexpr double kShortestPiece = 1.0;  // s
 constexpr double kStep = 1e-3;          // of x, for the change of a model
 constexpr double kRelative = 0.05;      // residual that counts as noise, of the reading's power: far from the device

@@ -23,7 +23,7 @@ Eigen::VectorXcd phaseOf(const Eigen::VectorXd& frequencies) {
 
 // Torque of a residual e at each frequency: M (e'' + 2 w e' + w^2 e), with inertia M and observer w.
 Eigen::VectorXd Fit::torquePerReading(const Spectrum& spectrum, Eigen::Index joint) const {
-  const double rate = 2.0 * M_PI * kObserverRate, inertia = observer_.stiffness[joint] / (rate * rate);
+  const double rate = 2.0 * M_PI * kObserverRate, inertia = observer_.inertia(joint, joint);
   Eigen::VectorXd gain = spectrum.frequencies();
   return inertia * (gain.array().square() * (4.0 * M_PI * M_PI) + rate * rate);
 }
