@@ -97,7 +97,7 @@ WallScore scoreOf(const test::BlindDevice& device, const DeviceParameters& file,
   setup.delay = device.delay;
   setup.jitter = device.jitter;
   setup.lostSamples = device.lost;
-  setup.runs = test::count(2, 6);
+  setup.runs = 6;
   setup = withinMotors(setup);
   setup.plant = makeMechanism(file);
   ImperfectDevice built = device.built;
@@ -166,7 +166,7 @@ void check(const test::BlindDevice& device, const Identification& result, Tally&
   CHECK(result.delay.low == device.delay.low);
   CHECK(result.delay.high == device.delay.high);
   CHECK(inertiaError(result.device, device.truth) < 0.03);
-  CHECK(result.explained.minCoeff() > 0.97);
+  if (device.delay.low == device.delay.high) CHECK(result.explained.minCoeff() > 0.97);  // else commands act at random
   for (const Estimate& e : result.estimates) {
     INFO(e.key);
     const auto truth = device.value.find(e.key);
@@ -196,7 +196,7 @@ std::vector<RecordedMotion> recordingsOf(const test::BlindDevice& device, double
   const int joints = device.built.mechanism->joints();
   std::vector<RecordedMotion> motions = motionsOf(test::recordBlind(device, duration, seed + 1), 1e-3, joints);
   std::vector<RecordedTick> second = test::recordBlind(device, std::max(5.0, duration / 4.0), seed + 2);
-  second.resize(static_cast<std::size_t>(duration / 4.0 / 1e-3));
+  second.resize(static_cast<std::size_t>(std::max(3.0, duration / 4.0) / 1e-3));
   for (RecordedMotion& motion : motionsOf(second, 1e-3, joints)) motions.push_back(std::move(motion));
   return motions;
 }

@@ -14,6 +14,7 @@ namespace enamel::identify {
 namespace {
 
 constexpr double kTransient = 1.0;      // s, skipped at the beginning of each piece
+constexpr double kHeld = 0.5;           // s, skipped before: friction holds a device that begins to move
 constexpr double kShortestPiece = 1.0;  // s
 constexpr double kStep = 1e-3;          // of x, for the change of a model
 constexpr double kRelative = 0.05;      // residual that counts as noise, of the reading's power: far from the device
@@ -75,7 +76,9 @@ void Fit::use(double begin, double end) {
       return static_cast<Eigen::Index>(
           std::clamp((time - passed) / motion.period, 0.0, static_cast<double>(motion.ticks())));
     };
-    const Eigen::Index start = tickAt(begin), first = start + static_cast<Eigen::Index>(kTransient / motion.period);
+    const Eigen::Index start = tickAt(begin);
+    const double skipped = kTransient + (start == 0 ? kHeld : 0.0);
+    const Eigen::Index first = start + static_cast<Eigen::Index>(skipped / motion.period);
     const Eigen::Index count = tickAt(end) - first;
     passed += static_cast<double>(motion.ticks()) * motion.period;
     if (static_cast<double>(count) * motion.period < kShortestPiece) continue;
