@@ -13,8 +13,9 @@
 #include "enamel/core/error.hpp"
 #include "enamel/identify/device_text.hpp"
 #include "enamel/render/position_control.hpp"
+#include "enamel/study/monte_carlo.hpp"
 #include "enamel/study/parallel.hpp"
-#include "enamel/study/wall_design.hpp"
+#include "enamel/study/wall_trials.hpp"
 #include "support/blind_devices.hpp"
 #include "support/catch.hpp"
 #include "support/run_length.hpp"
@@ -70,18 +71,25 @@ double resonanceOf(const test::BlindDevice& device) {
   return std::sqrt(k * (1.0 / device.built.rotorInertia + 1.0 / link)) / (2.0 * M_PI);
 }
 
+// Controllers from identified files beside those from the truth.
+struct Controllers {
+  double first = 1e9, depth = 1e9;  // smallest K_z1 and K_d, of the truth's
+  int measured = 0;                 // devices with K_z1
+  int lost = 0, lostOfTruth = 0;    // runs
+};
+
 struct Tally {
   std::map<std::string, Coverage> kinds;
   int devices = 0, uncertain = 0;
-  double stiffness = 1e9;  // smallest K_z1 of the controller from the identified file, of that from the truth
-  int lost = 0, lostOfTruth = 0;
+  Controllers controllers;
 };
 
 // The file of somebody who knows the device. It has what identified files have.
 DeviceParameters truthOf(const test::BlindDevice& device) {
   DeviceParameters truth = device.truth;
   Imperfections e = device.built.imperfections;
-  const auto* cartesian = std::get_if<CartesianParameters>(&truth);
+  auto* const cartesian = std::get_if<CartesianParameters>(&truth);
+  if (cartesian != nullptr) cartesian->halfWidths = std::get<CartesianParameters>(device.file).halfWidths;
   const bool hasFriction = cartesian == nullptr || cartesian->axes == 3;  // else one number for N and N m
   e.coulombFriction = hasFriction ? device.built.coulombFriction.mean() : 0.0;
   e.cogging = hasFriction ? device.built.cogging.mean() : 0.0;
@@ -89,24 +97,19 @@ DeviceParameters truthOf(const test::BlindDevice& device) {
   return truth;
 }
 
-// Score position control for a file on the device. The driver corrects the encoders' offsets and the torque constants.
-WallScore scoreOf(const test::BlindDevice& device, const DeviceParameters& file, Delay delay, const JointVector& offset,
-                  const JointVector& ratio) {
-  WallDesignSetup setup;
-  setup.plant = makeMechanism(device.truth);
-  setup.delay = device.delay;
-  setup.jitter = device.jitter;
-  setup.lostSamples = device.lost;
-  setup.runs = 6;
-  setup = withinMotors(setup);
-  setup.plant = makeMechanism(file);
+// Position control for a file, on the device. The driver corrects the encoders' offsets and the torque constants.
+StudyColumn columnOf(const test::BlindDevice& device, const DeviceParameters& file, Delay delay,
+                     const JointVector& offset, const JointVector& ratio) {
+  StudyColumn column;
+  column.plant = makeMechanism(device.truth);
+  column.model = makeMechanism(file);
   ImperfectDevice built = device.built;
-  built.offset -= makeMechanism(device.file)->home().q - setup.plant->home().q + offset;
+  built.offset -= makeMechanism(device.file)->home().q - column.model->home().q + offset;
   built.torqueConstant.array() /= ratio.array();
-  setup.makePlant = [&built](std::uint32_t) { return std::make_unique<ImperfectPlant>(built); };
-  const PositionControlOptions options = positionControlFor(*setup.plant, setup.period, delay.low, delay.high);
-  return evaluateWall(
-      setup, [&options] { return std::make_unique<PositionControlRenderer>(options); }, 1, availableThreads());
+  column.makePlant = [built](std::uint32_t) { return std::make_unique<ImperfectPlant>(built); };
+  const PositionControlOptions options = positionControlFor(*column.model, 1e-3, delay.low, delay.high);
+  column.make = [options](std::size_t) { return std::make_unique<PositionControlRenderer>(options); };
+  return column;
 }
 
 // Estimates or true numbers of all joints, or `missing` where there are none.
@@ -133,18 +136,53 @@ void compareControllers(const test::BlindDevice& device, const Identification& r
       if (e.key == key) return e.value;
     return missing;
   };
-  const auto score = [&](const auto& valueOf, const DeviceParameters& file, Delay delay) {
-    return scoreOf(device, file, delay, ofJoints(valueOf, "encoder offset", device, 0.0),
-                   ofJoints(valueOf, "torque ratio", device, 1.0));
+  const auto column = [&](const auto& valueOf, const DeviceParameters& file, Delay delay) {
+    return columnOf(device, file, delay, ofJoints(valueOf, "encoder offset", device, 0.0),
+                    ofJoints(valueOf, "torque ratio", device, 1.0));
   };
-  const WallScore best = score(known, truthOf(device), device.delay);
-  const WallScore ours = score(estimated, result.device, {result.delay.low, result.delay.high});
-  CAPTURE(best.stiffness, ours.stiffness);
-  CHECK(ours.stiffness > 0.9 * best.stiffness);
-  CHECK(ours.lost <= best.lost);
-  tally.stiffness = std::min(tally.stiffness, ours.stiffness / best.stiffness);
-  tally.lost += ours.lost;
-  tally.lostOfTruth += best.lost;
+  StudyPlan plan;
+  plan.columns = {column(known, truthOf(device), device.delay),
+                  column(estimated, result.device, {result.delay.low, result.delay.high})};
+  plan.scenarios = {1};
+  plan.grid = 1;
+  plan.runs = 12;
+  plan.insideTick = true;
+  const double share = forceShare(*plan.columns[0].plant);
+  plan.lowestForce *= share;
+  plan.highestForce *= share;
+  plan.setup.hand.preload = share;
+  plan.setup.hand.noise *= share;
+  plan.setup.delay = device.delay;
+  plan.setup.jitter = device.jitter;
+  plan.setup.lostSamples = device.lost;
+  plan.setup.encoders = {true, RateSource::difference};
+  plan.setup.duration = 1.2;
+  std::vector<StudyResult> runs(plan.size());
+  parallelFor(runs.size(), availableThreads(), [&](std::size_t i) { runs[i] = performRun(plan, runAt(plan, i)); });
+  // Means over the runs in which both have the figure; all runs have K_d.
+  Controllers& c = tally.controllers;
+  double first[2] = {}, depth[2] = {};
+  int lost[2] = {};
+  const auto count = static_cast<std::size_t>(plan.runs);
+  for (std::size_t i = 0; i < count; ++i) {
+    const PushMetrics* const both[] = {&runs[i].metrics, &runs[count + i].metrics};
+    for (std::size_t k = 0; k < 2; ++k) {
+      lost[k] += isLost(runs[k * count + i]);
+      if (both[0]->firstStiffness && both[1]->firstStiffness) first[k] += *both[k]->firstStiffness;
+      if (both[0]->depthStiffness && both[1]->depthStiffness) depth[k] += *both[k]->depthStiffness;
+    }
+  }
+  CAPTURE(first[0], first[1], depth[0], depth[1]);
+  CHECK(first[1] >= 0.9 * first[0]);
+  CHECK(depth[1] >= 0.9 * depth[0]);
+  CHECK(lost[1] <= lost[0]);
+  if (first[0] > 0.0) {
+    ++c.measured;
+    c.first = std::min(c.first, first[1] / first[0]);
+  }
+  c.depth = std::min(c.depth, depth[1] / depth[0]);
+  c.lost += lost[1];
+  c.lostOfTruth += lost[0];
 }
 
 void count(const test::BlindDevice& device, const Identification& result, Tally& tally) {
@@ -178,11 +216,13 @@ void check(const test::BlindDevice& device, const Identification& result, Tally&
 }
 
 void report(const char* mechanism, const Tally& tally) {
-  std::printf("%s: %d devices, %d delays not certain; K_z1 at least %.3f of the truth's, %d runs lost, %d of it\n",
-              mechanism, tally.devices, tally.uncertain, tally.stiffness, tally.lost, tally.lostOfTruth);
-  for (const auto& [kind, c] : tally.kinds)
-    std::printf("  %-32s %4d of %4d covered, level %.3f, %4d seen, largest error %.2g %%\n", kind.c_str(), c.covered,
-                c.count, levelOf(c), c.seen, 100.0 * c.error);
+  const Controllers& c = tally.controllers;
+  std::printf("%s: %d devices, %d delays not certain\n", mechanism, tally.devices, tally.uncertain);
+  std::printf("  controllers: K_z1 at least %.3f of the truth's (%d devices), K_d %.3f, %d runs lost, %d of the truth\n",
+              c.first, c.measured, c.depth, c.lost, c.lostOfTruth);
+  for (const auto& [kind, n] : tally.kinds)
+    std::printf("  %-32s %4d of %4d covered, level %.3f, %4d seen, largest error %.2g %%\n", kind.c_str(), n.covered,
+                n.count, levelOf(n), n.seen, 100.0 * n.error);
 }
 
 // 0: one device of each mechanism, with little data.

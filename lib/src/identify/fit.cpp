@@ -20,7 +20,7 @@ constexpr double kStep = 1e-3;          // of x, for the change of a model
 constexpr double kRelative = 0.05;      // residual that counts as noise, of the reading's power: far from the device
 constexpr double kFloor = 0.3;          // of the power of rounding
 constexpr double kBlock = 1.0;          // s, long against the observer's memory of 0.1 s
-constexpr double kBandwidth = 8.0;      // independent frequencies in the narrowest band
+constexpr double kBandwidth = 16.0;     // independent frequencies in the narrowest band
 constexpr double kIntegration =
     0.01;  // error of the fine simulation before extrapolation, of the deviation of rounding
 constexpr int kFineParts = 8, kMostParts = 128;  // of a tick
@@ -222,7 +222,7 @@ Fit::Powers Fit::powers(const Residuals& residuals, double corner) const {
       Eigen::VectorXd row = residuals[p].row(joint);
       if (isRelative) row = piece.motion->reading.row(joint).segment(piece.first, piece.count);
       if (isRelative) row.array() -= row.mean();
-      Eigen::VectorXd power = spectrum.spread(spectrum.bands(spectrum.transform(row)).cwiseMax(floor_[joint]));
+      Eigen::VectorXd power = spectrum.spread(spectrum.bands(spectrum.transform(row).cwiseAbs2()).cwiseMax(floor_[joint]));
       if (isRelative) {
         const Eigen::ArrayXd share = kRelative * (1.0 + (spectrum.frequencies().array() / corner).square());
         power = share.square() * power.array() + floor_[joint] / kFloor;
