@@ -1,6 +1,6 @@
 // The blind test of enamel identify: devices with hidden numbers over all mechanisms. ENAMEL_BLIND=20 draws 20 of each,
-// with 30 s of data; ENAMEL_LONG=1 draws 8. Otherwise one of each is drawn, with 8 s: this shows the errors, but not how
-// often the intervals are right.
+// with 30 s of data; ENAMEL_LONG=1 draws 8. Otherwise one of each is drawn, with 8 s: this shows the errors, but not
+// how often the intervals are right.
 #include "enamel/identify/identify.hpp"
 
 #include <algorithm>
@@ -218,8 +218,9 @@ void check(const test::BlindDevice& device, const Identification& result, Tally&
 void report(const char* mechanism, const Tally& tally) {
   const Controllers& c = tally.controllers;
   std::printf("%s: %d devices, %d delays not certain\n", mechanism, tally.devices, tally.uncertain);
-  std::printf("  controllers: K_z1 at least %.3f of the truth's (%d devices), K_d %.3f, %d runs lost, %d of the truth\n",
-              c.first, c.measured, c.depth, c.lost, c.lostOfTruth);
+  std::printf(
+      "  controllers: K_z1 at least %.3f of the truth's (%d devices), K_d %.3f, %d runs lost, %d of the truth\n",
+      c.first, c.measured, c.depth, c.lost, c.lostOfTruth);
   for (const auto& [kind, n] : tally.kinds)
     std::printf("  %-32s %4d of %4d covered, level %.3f, %4d seen, largest error %.2g %%\n", kind.c_str(), n.covered,
                 n.count, levelOf(n), n.seen, 100.0 * n.error);

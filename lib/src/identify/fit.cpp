@@ -222,7 +222,8 @@ Fit::Powers Fit::powers(const Residuals& residuals, double corner) const {
       Eigen::VectorXd row = residuals[p].row(joint);
       if (isRelative) row = piece.motion->reading.row(joint).segment(piece.first, piece.count);
       if (isRelative) row.array() -= row.mean();
-      Eigen::VectorXd power = spectrum.spread(spectrum.bands(spectrum.transform(row).cwiseAbs2()).cwiseMax(floor_[joint]));
+      Eigen::VectorXd power =
+          spectrum.spread(spectrum.bands(spectrum.transform(row).cwiseAbs2()).cwiseMax(floor_[joint]));
       if (isRelative) {
         const Eigen::ArrayXd share = kRelative * (1.0 + (spectrum.frequencies().array() / corner).square());
         power = share.square() * power.array() + floor_[joint] / kFloor;
@@ -278,7 +279,10 @@ void Fit::normalEquations(const Residuals& residuals, const Powers& powers, Eige
     const std::size_t p = task / joints;
     const auto joint = static_cast<Eigen::Index>(task % joints);
     const Spectrum& spectrum = *pieces_[p].spectrum;
-    const Eigen::VectorXd weight = powers[p][task % joints].cwiseSqrt().cwiseInverse();
+    Eigen::VectorXd weight = powers[p][task % joints].cwiseSqrt().cwiseInverse();
+    const Eigen::Index last = weight.size() - 1;
+    for (const Eigen::Index i : {Eigen::Index{0}, last})
+      weight[i] *= M_SQRT1_2;                            // no negative frequency has this power
     Eigen::MatrixXd rows(2 * weight.size(), count + 1);  // real and imaginary parts
     for (Eigen::Index i = 0; i <= count; ++i) {
       const Eigen::VectorXcd signal =
@@ -287,8 +291,7 @@ void Fit::normalEquations(const Residuals& residuals, const Powers& powers, Eige
       rows.col(i).head(weight.size()) = white.real();
       rows.col(i).tail(weight.size()) = white.imag();
     }
-    // The mean over all frequencies: twice the positive ones. Zero and half of the sample rate hardly matter.
-    const double scale = spectrum.samples() / static_cast<double>(weight.size());
+    const double scale = spectrum.samples() / static_cast<double>(last);
     sums[task] = scale * rows.leftCols(count).transpose() * rows;
   });
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count + 1);

@@ -11,15 +11,15 @@ namespace enamel::identify {
 ///
 ///   torque = M (w^2 e + 2 w e'),  w = 2 pi kObserverRate,
 ///
-/// where e is the recorded reading minus the simulated one, through two low passes of kObserverFilter. M is the device's
-/// inertia at home, with all couplings of joints. So all motions have the frequency w and forget a wrong start equally
-/// fast, and noise of an encoder moves only its joint. M is the same for all models of a fit, so that their readings
-/// differ only by the models.
+/// where e is the recorded reading minus the simulated one, through two low passes of kObserverFilter. M is the
+/// device's inertia at home, with all couplings of joints. So all motions have the frequency w and forget a wrong start
+/// equally fast, and noise of an encoder moves only its joint. M is the same for all models of a fit, so that their
+/// readings differ only by the models.
 struct Observer {
   JointMatrix inertia;  ///< M, kg m^2 or kg
-  int substeps = 5;                ///< integration steps per tick, a multiple of `parts`
-  int parts = 1;                   ///< of a tick, with constant inertia and free acceleration
-  int interval = 4;                ///< between knots of the path's dynamics, ticks
+  int substeps = 5;     ///< integration steps per tick, a multiple of `parts`
+  int parts = 1;        ///< of a tick, with constant inertia and free acceleration
+  int interval = 4;     ///< between knots of the path's dynamics, ticks
 };
 
 inline constexpr double kObserverRate = 3.0, kObserverFilter = 30.0;  // Hz
