@@ -116,7 +116,8 @@ enum Common { kPeriods, kStiffness, kDamping, kRotor, kCommons };
 
 Eigen::VectorXd numbersOf(const DeviceModel& model) {
   const ImperfectDevice device = deviceOf(model);
-  JointVector sine = JointVector::Constant(model.sine.size(), model.drive.torqueRipple), cosine = 0.0 * sine;
+  const Eigen::Index joints = model.sine.size();
+  JointVector sine = JointVector::Constant(joints, model.drive.torqueRipple), cosine = JointVector::Zero(joints);
   for (Eigen::Index i = 0; i < sine.size(); ++i) {
     const double amplitude = std::hypot(model.sine[i], model.cosine[i]);  // the ripple has the phase of the cogging
     if (amplitude == 0.0) continue;
