@@ -112,7 +112,7 @@ StudyColumn columnOf(const test::BlindDevice& device, const DeviceParameters& fi
   return column;
 }
 
-// Estimates or true numbers of all joints, or `missing` where there are none.
+// Numbers of all joints; `missing` for those that the device does not have.
 template <typename ValueOf>
 JointVector ofJoints(const ValueOf& valueOf, const std::string& key, const test::BlindDevice& device, double missing) {
   JointVector values = JointVector::Constant(device.built.offset.size(), missing);

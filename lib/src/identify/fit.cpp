@@ -13,8 +13,8 @@
 namespace enamel::identify {
 namespace {
 
-constexpr double kTransient = 1.0;      // s, skipped at the beginning of each piece
-constexpr double kHeld = 0.5;           // s, skipped before: friction holds a device that begins to move
+constexpr double kTransient = 0.5;      // s, skipped at the beginning of each piece
+constexpr double kHeld = 1.0;           // s, skipped before: friction holds a device that begins to move
 constexpr double kShortestPiece = 1.0;  // s
 constexpr double kStep = 1e-3;          // of x, for the change of a model
 constexpr double kRelative = 0.05;      // residual that counts as noise, of the reading's power: far from the device
