@@ -18,6 +18,7 @@ struct BlindDevice {
   ImperfectDevice built;
   Delay delay;  ///< ticks
   double jitter = 0.0, lost = 0.0;
+  bool isRounded = true;                ///< by the encoders
   double saturation = 1e9;              ///< largest torque that the first motor really gives, N m or N
   std::map<std::string, double> value;  ///< the truth, by the keys of Estimate
 };

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kCoggingSpread = 0.02;  // amplitude of the largest effort
 constexpr double kRippleSpread = 0.02;   // of the torque
-constexpr double kFastest = 150.0;       // Hz, of the cogging at the typical rate
+constexpr double kFastest = 0.25;        // of the tick rate: frequency of the cogging at the typical rate
 
 double rangeOf(const Eigen::MatrixXd& reading) {
   return (reading.rowwise().maxCoeff() - reading.rowwise().minCoeff()).minCoeff();
@@ -39,7 +39,7 @@ CoggingSearch findCogging(Fit& fit) {
         (10.0 * fit.period());
     fastest = std::max(fastest, rate);
   }
-  const double first = 1.0 * 2.0 * M_PI / range, last = 2.0 * M_PI * kFastest / std::max(1e-9, fastest);
+  const double first = 1.0 * 2.0 * M_PI / range, last = 2.0 * M_PI * kFastest / fit.period() / std::max(1e-9, fastest);
   CoggingSearch best;
   for (double periods = first; periods < last; periods += 0.3 * first) {
     double gain = 0.0;

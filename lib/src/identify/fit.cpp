@@ -14,12 +14,13 @@ namespace enamel::identify {
 namespace {
 
 constexpr double kTransient = 0.5;      // s, skipped at the beginning of each piece
+constexpr double kHeld = 1.0;           // s, skipped before: friction holds a device that begins to move
 constexpr double kShortestPiece = 1.0;  // s
 constexpr double kStep = 1e-3;          // of x, for the change of a model
 constexpr double kRelative = 0.05;      // residual that counts as noise, of the reading's power: far from the device
 constexpr double kFloor = 0.3;          // of the power of rounding
 constexpr double kBlock = 1.0;          // s, long against the observer's memory of 0.1 s
-constexpr double kBandwidth = 8.0;      // independent frequencies in the narrowest band
+constexpr double kBandwidth = 16.0;     // independent frequencies in the narrowest band
 constexpr double kIntegration =
     0.01;  // error of the fine simulation before extrapolation, of the deviation of rounding
 constexpr int kFineParts = 8, kMostParts = 128;  // of a tick
@@ -75,7 +76,9 @@ void Fit::use(double begin, double end) {
       return static_cast<Eigen::Index>(
           std::clamp((time - passed) / motion.period, 0.0, static_cast<double>(motion.ticks())));
     };
-    const Eigen::Index start = tickAt(begin), first = start + static_cast<Eigen::Index>(kTransient / motion.period);
+    const Eigen::Index start = tickAt(begin);
+    const double skipped = kTransient + (start == 0 ? kHeld : 0.0);
+    const Eigen::Index first = start + static_cast<Eigen::Index>(skipped / motion.period);
     const Eigen::Index count = tickAt(end) - first;
     passed += static_cast<double>(motion.ticks()) * motion.period;
     if (static_cast<double>(count) * motion.period < kShortestPiece) continue;
@@ -219,7 +222,8 @@ Fit::Powers Fit::powers(const Residuals& residuals, double corner) const {
       Eigen::VectorXd row = residuals[p].row(joint);
       if (isRelative) row = piece.motion->reading.row(joint).segment(piece.first, piece.count);
       if (isRelative) row.array() -= row.mean();
-      Eigen::VectorXd power = spectrum.spread(spectrum.bands(spectrum.transform(row)).cwiseMax(floor_[joint]));
+      Eigen::VectorXd power =
+          spectrum.spread(spectrum.bands(spectrum.transform(row).cwiseAbs2()).cwiseMax(floor_[joint]));
       if (isRelative) {
         const Eigen::ArrayXd share = kRelative * (1.0 + (spectrum.frequencies().array() / corner).square());
         power = share.square() * power.array() + floor_[joint] / kFloor;
@@ -275,7 +279,10 @@ void Fit::normalEquations(const Residuals& residuals, const Powers& powers, Eige
     const std::size_t p = task / joints;
     const auto joint = static_cast<Eigen::Index>(task % joints);
     const Spectrum& spectrum = *pieces_[p].spectrum;
-    const Eigen::VectorXd weight = powers[p][task % joints].cwiseSqrt().cwiseInverse();
+    Eigen::VectorXd weight = powers[p][task % joints].cwiseSqrt().cwiseInverse();
+    const Eigen::Index last = weight.size() - 1;
+    for (const Eigen::Index i : {Eigen::Index{0}, last})
+      weight[i] *= M_SQRT1_2;                            // no negative frequency has this power
     Eigen::MatrixXd rows(2 * weight.size(), count + 1);  // real and imaginary parts
     for (Eigen::Index i = 0; i <= count; ++i) {
       const Eigen::VectorXcd signal =
@@ -284,8 +291,7 @@ void Fit::normalEquations(const Residuals& residuals, const Powers& powers, Eige
       rows.col(i).head(weight.size()) = white.real();
       rows.col(i).tail(weight.size()) = white.imag();
     }
-    // The mean over all frequencies: twice the positive ones. Zero and half of the sample rate hardly matter.
-    const double scale = spectrum.samples() / static_cast<double>(weight.size());
+    const double scale = spectrum.samples() / static_cast<double>(last);
     sums[task] = scale * rows.leftCols(count).transpose() * rows;
   });
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count + 1);

@@ -23,7 +23,7 @@ Eigen::VectorXcd phaseOf(const Eigen::VectorXd& frequencies) {
 
 // Torque of a residual e at each frequency: M (e'' + 2 w e' + w^2 e), with inertia M and observer w.
 Eigen::VectorXd Fit::torquePerReading(const Spectrum& spectrum, Eigen::Index joint) const {
-  const double rate = 2.0 * M_PI * kObserverRate, inertia = observer_.stiffness[joint] / (rate * rate);
+  const double rate = 2.0 * M_PI * kObserverRate, inertia = observer_.inertia(joint, joint);
   Eigen::VectorXd gain = spectrum.frequencies();
   return inertia * (gain.array().square() * (4.0 * M_PI * M_PI) + rate * rate);
 }
@@ -100,7 +100,7 @@ IdentificationTraces Fit::traces() {
   IdentificationTraces traces;
   traces.period = piece.motion->period;
   // The mean frequency of each band.
-  traces.frequency = spectrum.bands(frequencies.cwiseSqrt().cast<std::complex<double>>());
+  traces.frequency = spectrum.bands(frequencies);
   const Eigen::Index joints = base_.front().rows();
   traces.torque.resize(joints, piece.count);
   traces.explained = traces.torque;
@@ -115,7 +115,7 @@ IdentificationTraces Fit::traces() {
     const Eigen::VectorXcd missing =
         residual.cwiseProduct(torquePerReading(spectrum, joint).cwiseProduct(isSlow)).cwiseProduct(phase);
     traces.explained.row(joint) = spectrum.inverse(slow + missing);
-    traces.residual.row(joint) = (density * spectrum.bands(residual)).cwiseSqrt();
+    traces.residual.row(joint) = (density * spectrum.bands(residual.cwiseAbs2())).cwiseSqrt();
   }
   return traces;
 }

@@ -87,8 +87,8 @@ template <typename Errors>
 class Spring {
  public:
   Spring(const Observer& observer, double period)
-      : stiffness_(observer.stiffness),
-        damping_(observer.damping / period),
+      : stiffness_(kRate * kRate * observer.inertia),
+        damping_(2.0 * kRate / period * observer.inertia),
         share_(-std::expm1(-2.0 * M_PI * kObserverFilter * period)) {
     restart();
   }
@@ -99,11 +99,13 @@ class Spring {
     const Errors before = second_;
     first_ += share_ * (error - first_);
     second_ += share_ * (first_ - second_);
-    return stiffness_.asDiagonal() * second_ + damping_.asDiagonal() * (second_ - before);
+    return stiffness_.lazyProduct(second_) + damping_.lazyProduct(second_ - before);
   }
 
  private:
-  Eigen::Matrix<double, Errors::RowsAtCompileTime, 1> stiffness_, damping_;
+  static constexpr double kRate = 2.0 * M_PI * kObserverRate;  // rad/s
+
+  Eigen::Matrix<double, Errors::RowsAtCompileTime, Errors::RowsAtCompileTime> stiffness_, damping_;
   double share_;
   Errors first_, second_;
 };
@@ -114,7 +116,8 @@ enum Common { kPeriods, kStiffness, kDamping, kRotor, kCommons };
 
 Eigen::VectorXd numbersOf(const DeviceModel& model) {
   const ImperfectDevice device = deviceOf(model);
-  JointVector sine = JointVector::Constant(model.sine.size(), model.drive.torqueRipple), cosine = 0.0 * sine;
+  const Eigen::Index joints = model.sine.size();
+  JointVector sine = JointVector::Constant(joints, model.drive.torqueRipple), cosine = JointVector::Zero(joints);
   for (Eigen::Index i = 0; i < sine.size(); ++i) {
     const double amplitude = std::hypot(model.sine[i], model.cosine[i]);  // the ripple has the phase of the cogging
     if (amplitude == 0.0) continue;
@@ -141,6 +144,7 @@ class Device {
       : numbers_(numbersOf(model)),
         path_(path),
         changes_(changes),
+        platform_(isPlatformDamped(model) ? deviceOf(model).mechanism : nullptr),
         hasCogging_(common(kPeriods) > 0.0 && numbers_.template segment<4 * N>(kSine * N).cwiseAbs().maxCoeff() > 0.0) {
     for (std::size_t lane = 0; lane < changes.size(); ++lane)
       changed_.col(static_cast<Eigen::Index>(lane)) =
@@ -179,7 +183,11 @@ class Device {
     damping_ = pushed - pushed.transpose();
     for (int k = 0; k < N; ++k) damping_ += rate[k] * near_.inertiaSlope(k);
     falling_ = -(mobility_ * (bias - damping_ * rate));
-    damping_.diagonal() += part(kViscous);
+    if (platform_ != nullptr) {
+      if (platform_->track(near_.place() + away, rate, false, kinematics_) != Status::ok) return false;
+      damped_ = kinematics_.jacobian.template topRows<N>();
+    }
+    damping_ += damped_.transpose() * part(kViscous).asDiagonal() * damped_;
     if (!changes_.empty()) beginSlopes(tick, duration, rate, away);
     if (!hasCogging_) return true;
     begin_ = (hasCables() ? rotor_ : link_).angle;
@@ -210,6 +218,14 @@ class Device {
   auto changed(Common i) const { return changed_.row(N * kJointParts + i); }
   auto inertiaChange(std::size_t lane) { return inertiaChanges_.template middleCols<N>(N * static_cast<int>(lane)); }
   bool hasCables() const noexcept { return common(kStiffness) > 0.0; }
+  // The damping of a Cartesian device opposes the turning of the platform, not the rates of its rotation vector.
+  static bool isPlatformDamped(const DeviceModel& model) {
+    return N == 6 && std::holds_alternative<CartesianParameters>(model.device);
+  }
+  Slopes viscousSlopes(const Vector& rate) const {
+    const Matrix torques = damped_.transpose() * Vector(damped_ * rate).asDiagonal();
+    return torques.lazyProduct(changed(kViscous));
+  }
 
   void beginSlopes(double tick, double duration, const Vector& rate, const Vector& away) {
     awaySlopes_ = linkSlopes_.angle + 0.5 * duration * linkSlopes_.rate;
@@ -289,7 +305,7 @@ class Device {
     acceleration_ = begin - mobility_ * (0.5 * h * damping_ * begin);
     if (!changes_.empty()) {
       const Slopes torque = motorSlopes_ - inertialSlopes(acceleration_) - damping_.lazyProduct(linkSlopes_.rate) -
-                            (link_.rate + 0.5 * h * begin).asDiagonal() * changed(kViscous);
+                            viscousSlopes(link_.rate + 0.5 * h * begin);
       const Slopes first = mobility_.lazyProduct(torque), held = 0.5 * h * damping_.lazyProduct(first);
       const Slopes slopes = first - mobility_.lazyProduct(held);
       linkSlopes_.angle += h * linkSlopes_.rate + 0.5 * h * h * slopes;
@@ -333,7 +349,7 @@ class Device {
          });
     if (changes_.empty()) return;
     const Slopes held = inertialSlopes((link_.rate - begin.rate) / h) +
-                        ((link_.angle - begin.angle) / h).asDiagonal() * changed(kViscous);  // means of the step
+                        viscousSlopes((link_.angle - begin.angle) / h);  // means of the step
     step(h, linkSlopes_, rotorSlopes_,
          [&](int i, const Part<Slopes>& link, const Part<Slopes>& rotor, Slopes& pushed, Slopes& turned) {
            const Slopes cable = stiffness * (rotor.angle - link.angle) + damping * (rotor.rate - link.rate) +
@@ -351,6 +367,9 @@ class Device {
   const PathDynamics& path_;
   const std::vector<ModelChange>& changes_;
   Eigen::Matrix<double, kJointParts * N + kCommons, kLanes, Eigen::RowMajor> changed_ = decltype(changed_)::Zero();
+  std::shared_ptr<const Mechanism> platform_;  // null: damping is that of joints
+  Kinematics kinematics_;
+  Matrix damped_ = Matrix::Identity();  // rates that damping opposes, from those of the joints
   bool hasCogging_;
   PlaceDynamics<N> near_;
   Vector begin_ = Vector::Zero();           // angle at the beginning of the part
@@ -458,17 +477,14 @@ Simulated simulateJoints(const DeviceModel& model, const PathDynamics& path, con
 
 Observer observerFor(const DeviceModel& model, double period) {
   const ImperfectDevice device = deviceOf(model);
-  const double rate = 2.0 * M_PI * kObserverRate;
-  JointVector inertia = device.mechanism->home().inertia.diagonal();
   Observer observer;
+  observer.inertia = device.mechanism->home().inertia;
   if (model.hasCables()) {
-    const double links = inertia.minCoeff();
+    const double links = observer.inertia.diagonal().minCoeff();
     const double resonance = std::sqrt(model.drive.cableStiffness * (1.0 / device.rotorInertia + 1.0 / links));
     observer.substeps = std::clamp(static_cast<int>(std::ceil(resonance * period / 0.3)), kSubsteps, 20);
-    inertia.array() += device.rotorInertia;
+    observer.inertia.diagonal().array() += device.rotorInertia;
   }
-  observer.stiffness = rate * rate * inertia;
-  observer.damping = 2.0 * rate * inertia;
   observer.interval = std::max(1, static_cast<int>(std::lround(kKnots / period)));
   return observer;
 }

@@ -7,21 +7,24 @@
 
 namespace enamel::identify {
 
-/// A soft spring and damper in each joint. It keeps the simulated joints near the recorded ones:
+/// A soft spring and damper. It keeps the simulated joints near the recorded ones:
 ///
-///   torque = K e + D e',  e = recorded reading - simulated reading, through two low passes of kObserverFilter.
+///   torque = M (w^2 e + 2 w e'),  w = 2 pi kObserverRate,
 ///
-/// It is the same for all models of a fit, so that their readings differ only by the models.
+/// where e is the recorded reading minus the simulated one, through two low passes of kObserverFilter. M is the
+/// device's inertia at home, with all couplings of joints. So all motions have the frequency w and forget a wrong start
+/// equally fast, and noise of an encoder moves only its joint. M is the same for all models of a fit, so that their
+/// readings differ only by the models.
 struct Observer {
-  JointVector stiffness, damping;  ///< N m/rad and N m s/rad, or N/m and N s/m
-  int substeps = 5;                ///< integration steps per tick, a multiple of `parts`
-  int parts = 1;                   ///< of a tick, with constant inertia and free acceleration
-  int interval = 4;                ///< between knots of the path's dynamics, ticks
+  JointMatrix inertia;  ///< M, kg m^2 or kg
+  int substeps = 5;     ///< integration steps per tick, a multiple of `parts`
+  int parts = 1;        ///< of a tick, with constant inertia and free acceleration
+  int interval = 4;     ///< between knots of the path's dynamics, ticks
 };
 
 inline constexpr double kObserverRate = 3.0, kObserverFilter = 30.0;  // Hz
 
-/// Return the observer for a model: kObserverRate with its inertias at home, and steps for its cables.
+/// Return the observer for a model, with steps for its cables.
 Observer observerFor(const DeviceModel& model, double period);
 
 /// A direction in which a model changes: the difference of two models near it, per unit of a parameter.

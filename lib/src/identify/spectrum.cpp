@@ -62,16 +62,28 @@ double Spectrum::mean(const Eigen::VectorXd& values) const {
   return (2.0 * values.sum() - values[0] - values[values.size() - 1]) / static_cast<double>(size_);
 }
 
-Eigen::VectorXd Spectrum::bands(const Eigen::VectorXcd& spectrum) const {
-  Eigen::VectorXd power = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(inBand_.size()));
+Eigen::VectorXd Spectrum::bands(const Eigen::VectorXd& power) const {
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(inBand_.size()));
   for (std::size_t k = 0; k < band_.size(); ++k)
-    power[band_[k]] += std::norm(spectrum[static_cast<Eigen::Index>(k)]) / inBand_[static_cast<std::size_t>(band_[k])];
-  return power;
+    mean[band_[k]] += power[static_cast<Eigen::Index>(k)] / inBand_[static_cast<std::size_t>(band_[k])];
+  return mean;
 }
 
 Eigen::VectorXd Spectrum::spread(const Eigen::VectorXd& bands) const {
+  const Eigen::VectorXd height = bands.array().log();
   Eigen::VectorXd power(static_cast<Eigen::Index>(band_.size()));
-  for (std::size_t k = 0; k < band_.size(); ++k) power[static_cast<Eigen::Index>(k)] = bands[band_[k]];
+  double begin = 0.0, middle = 0.0, before = 0.0;  // lines: of the band, its middle, that of the band before
+  Eigen::Index k = 0;
+  for (Eigen::Index i = 0; i < height.size(); ++i, before = middle) {
+    const double count = inBand_[static_cast<std::size_t>(i)], low = height[std::max<Eigen::Index>(0, i - 1)];
+    middle = begin + 0.5 * (count - 1.0);
+    begin += count;
+    const double last = i + 1 < height.size() ? middle : begin;
+    for (; static_cast<double>(k) <= last && k < power.size(); ++k) {
+      const double share = std::min(1.0, (static_cast<double>(k) - before) / std::max(1.0, middle - before));
+      power[k] = std::exp(low + share * (height[i] - low));
+    }
+  }
   return power;
 }
 

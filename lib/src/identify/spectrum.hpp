@@ -27,8 +27,9 @@ class Spectrum {
   /// Return the mean of values at all frequencies, positive and negative.
   double mean(const Eigen::VectorXd& values) const;
 
-  /// Return the power in each band, and the power at each frequency from those bands.
-  Eigen::VectorXd bands(const Eigen::VectorXcd& spectrum) const;
+  /// Return the mean power in each band from that at each frequency, and back. Between the middles of bands the
+  /// logarithm of the power is linear.
+  Eigen::VectorXd bands(const Eigen::VectorXd& power) const;
   Eigen::VectorXd spread(const Eigen::VectorXd& bands) const;
 
  private:
