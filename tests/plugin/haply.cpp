@@ -206,9 +206,12 @@ TEST_CASE("faults of the Haply service are missing samples or a lost device, and
     service.isClosing = true;
     REQUIRE(test::eventually([&] { return bench.tick() == Status::inactive; }));
     CHECK(bench.opened.device->actuate(bench.command) == Status::inactive);
-    bench.opened.device->close();
-    bench.opened.device->open();  // connects again
-    REQUIRE(bench.samplesAgain());
+    REQUIRE(bench.samplesAgain());  // the host opens it again
+  }
+  SECTION("the device loses its calibration") {
+    CHECK(bench.sample.conditions == 0);
+    service.isUncalibrated = true;
+    REQUIRE(bench.soon([&] { return bench.sample.conditions == kUncalibrated; }));
   }
 }
 

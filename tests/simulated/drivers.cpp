@@ -1,6 +1,6 @@
-// Every driver in simulated time: with the faults of its stand-in (30 minutes with ENAMEL_LONG=1, otherwise 20 s), and
-// pushes of position control and of the best spring. This program replaces the clock of C++: driver, stand-in and loop
-// see the time that the test advances.
+// Every driver in simulated time: with the faults of its stand-in (30 minutes with ENAMEL_LONG=1, otherwise 20 s), the
+// tasks of `enamel compare`, and the first trial with single mistakes. This program replaces the clock of C++: driver,
+// stand-in and loop see the time that the test advances.
 #include <atomic>
 #include <chrono>
 #include <iostream>
@@ -8,13 +8,17 @@
 #include <random>
 #include <thread>
 
+#include "enamel/device/device_file.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/session/open_device.hpp"
+#include "enamel/sim/plant_maker.hpp"
+#include "enamel/study/comparison.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/driver_bench.hpp"
+#include "support/first_touch_trial.hpp"
 #ifdef ENAMEL_HAPLY_SERVICE
 #include "support/haply_service.hpp"
 #endif
@@ -41,89 +45,66 @@ constexpr double kRest = 0.3;      // s, from the end of a fault to the reset: n
 
 // A stand-in as the test sees it.
 struct Rig {
-  std::string url;
-  double largest = 0.0;                                                  // force of the device, N
-  std::function<void()> period;                                          // one period of the stand-in has passed
-  std::function<double()> force;                                         // that the stand-in received, N
-  std::function<void(double)> place = {};                                // of the hand, m
-  std::function<void(HapticDevice&, Measurement&, Status&)> await = {};  // an answer that comes in real time
+  std::string url, file;                                                    // file: of the device
+  std::function<void()> period;                                             // one period of the stand-in has passed
+  std::function<Vec3()> force;                                              // that the stand-in received, W, N
+  std::function<void(const Vec3&, double stiffness, double damping)> hold;  // by the hand: place, W, m; N/m, N s/m
+  std::function<void(const Measurement&)> show;                             // a sample instead of the simulated ones
+  std::function<void(HapticDevice&, Measurement&, Status&)> await = {};     // an answer that comes in real time
+  std::function<std::uint64_t()> messages = {};                             // received, if they come in real time
   struct Fault {
     std::string name;
     std::function<void(bool)> set;
     bool isDeaf = false;  // commands do not arrive, and the vendor keeps the last force
   };
   std::vector<Fault> faults = {};
-  std::function<void(double)> push = {};  // of the hand against W's z, N
-  std::function<double(bool)> path = {};  // lowest or mean z since restart, m
-  std::function<void()> restart = {};     // of the path
 };
 
 // The device of a driver: each measure() is a step of the simulated time.
 class SteppedDevice final : public HapticDevice {
  public:
-  SteppedDevice(HapticDevice& device, const Rig& rig, double step) : device_(device), rig_(rig), step_(step) {}
-  void open() override { device_.open(); }
-  void close() noexcept override { device_.close(); }
+  SteppedDevice(std::unique_ptr<HapticDevice> device, const Rig& rig, double step)
+      : device_(std::move(device)), rig_(rig), step_(step) {}
+  void open() override { device_->open(); }
+  void close() noexcept override { device_->close(); }
   [[nodiscard]] Status measure(Measurement& m) noexcept override {
     clock_ns += static_cast<std::int64_t>(1e9 * step_);
     steps_ += step_;
-    if (rig_.place) rig_.place(kHandWay * std::cos(2.0 * M_PI * steps_ / kHandPeriod));
     if ((passed_ += step_) > 0.999 * kPeriod) {
       passed_ = 0.0;
       rig_.period();
     }
-    Status status = device_.measure(m);
-    if (rig_.await) rig_.await(device_, m, status);
+    Status status = device_->measure(m);
+    if (rig_.await) rig_.await(*device_, m, status);
     return status;
   }
-  [[nodiscard]] Status actuate(const Command& command) noexcept override { return device_.actuate(command); }
+  [[nodiscard]] Status actuate(const Command& command) noexcept override { return device_->actuate(command); }
   double time() const noexcept { return steps_; }
 
  private:
-  HapticDevice& device_;
+  std::unique_ptr<HapticDevice> device_;
   const Rig& rig_;
   double step_, steps_ = 0.0, passed_ = 0.0;  // s
-};
-
-// Position control, or a spring, at a flat wall through a driver.
-struct DriverLoop {
-  OpenedDevice opened;
-  std::unique_ptr<Renderer> renderer;
-  Scene scene = flatWall();
-  Tool tool;
-  SteppedDevice device;
-  HapticTick haptics;
-  HapticLoopOptions options;
-
-  explicit DriverLoop(const Rig& rig, const ImpedanceOptions* spring = nullptr)
-      : opened(openAt(rig.url)),
-        renderer(rendererFor(opened, spring)),
-        device(*opened.device, rig, opened.poll > 0.0 ? opened.poll : kPeriod),
-        haptics(*opened.mechanism, scene, tool, *renderer, kPeriod) {
-    options.period = opened.poll;
-  }
-
- private:
-  static std::unique_ptr<Renderer> rendererFor(const OpenedDevice& opened, const ImpedanceOptions* spring) {
-    if (spring != nullptr) return std::make_unique<ImpedanceRenderer>(*spring);
-    return std::make_unique<PositionControlRenderer>(
-        positionControlFor(*opened.mechanism, kPeriod, opened.delay.low, opened.delay.high));
-  }
 };
 
 struct Result {
   std::map<std::string, int> faults;                     // begun
   std::array<int, kGuardReasons> latched{};              // faults of the guard
   std::uint64_t ticks = 0, inContact = 0, tooLarge = 0;  // tooLarge: forces above that of the device
-  std::uint64_t late = 0, early = 0;          // forces more than kRampOut after a fault; and after it, before a reset
-  std::string unexpected;                     // faults of the guard other than late and device
-  int restarts = 0, stretches = 0, felt = 0;  // free of faults for at least two periods of the hand; with contact
+  std::uint64_t late = 0, early = 0;        // forces more than kRampOut after a fault; and after it, before a reset
+  std::string unexpected;                   // faults of the guard other than late and device
+  int resets = 0, stretches = 0, felt = 0;  // free of faults for at least two periods of the hand; with contact
 };
 
 Result run(const Rig& rig, double duration) {
-  DriverLoop loop(rig);
-  SteppedDevice& device = loop.device;
-  HapticTick& haptics = loop.haptics;
+  OpenedDevice opened = openAt(rig.url);
+  const double largest = opened.mechanism->limits().effort.head<3>().norm();
+  SteppedDevice device(std::move(opened.device), rig, opened.poll > 0.0 ? opened.poll : kPeriod);
+  PositionControlRenderer control(positionControlFor(*opened.mechanism, kPeriod, opened.delay.low, opened.delay.high));
+  const Scene scene = flatWall();
+  HapticTick haptics(*opened.mechanism, scene, Tool(), control, kPeriod);
+  HapticLoopOptions options;
+  options.period = opened.poll;
   std::mt19937_64 random(test::seed());
   const auto between = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
@@ -133,60 +114,62 @@ Result run(const Rig& rig, double duration) {
   std::size_t begun = 0;
   double toggle = 3.0, latched = -1.0, ended = 0.0, free = 0.0;  // s: next change; times of events; -1: no fault
   std::uint64_t contactBefore = 0;
+  LoopBody body(device, haptics, options);
   while (device.time() < duration) {
-    LoopBody body(device, haptics, loop.options);
-    while (device.time() < duration) {
-      const double now = device.time();
-      if (now >= toggle) {
-        if (active == nullptr) {
-          active = &rig.faults[begun++ % rig.faults.size()];
-          active->set(true);
-          ++result.faults[active->name];
-          toggle = now + between(0.002, 0.4);
-          if (now - free > 2.0 * kHandPeriod) {
-            ++result.stretches;
-            if (result.inContact > contactBefore) ++result.felt;
-          }
-        } else {
-          active->set(false);
-          active = nullptr;
-          ended = now;
-          free = now + kRest;
-          contactBefore = result.inContact;
-          toggle = now + between(0.5, 5.0);
+    const double now = device.time();
+    rig.hold(kHandWay * std::cos(2.0 * M_PI * now / kHandPeriod) * Vec3::UnitZ(), 100.0, 5.0);
+    if (now >= toggle) {
+      if (active == nullptr) {
+        active = &rig.faults[begun++ % rig.faults.size()];
+        active->set(true);
+        ++result.faults[active->name];
+        toggle = now + between(0.002, 0.4);
+        if (now - free > 2.0 * kHandPeriod) {
+          ++result.stretches;
+          if (result.inContact > contactBefore) ++result.felt;
         }
+      } else {
+        active->set(false);
+        active = nullptr;
+        ended = now;
+        free = now + kRest;
+        contactBefore = result.inContact;
+        toggle = now + between(0.5, 5.0);
       }
-      const std::uint64_t before = body.tick().number;
-      (void)body.step();
-      const double force = rig.force();
-      if (!(force <= rig.largest * (1.0 + 1e-9))) ++result.tooLarge;
-      if (body.tick().number != before) {
-        ++result.ticks;
-        if (body.tick().mode == RenderMode::contact && body.tick().reason == GuardReason::none) ++result.inContact;
-      }
-      const GuardReason fault = haptics.guard().fault();
-      if (fault == GuardReason::none) continue;
-      if (latched < 0.0) {
-        latched = now;
-        ++result.latched[static_cast<std::size_t>(fault)];
-        if (fault != GuardReason::late && fault != GuardReason::device)
-          result.unexpected += std::string(toString(fault)) + " at " + std::to_string(now) + " s, " +
-                               (active != nullptr ? "during " + active->name
-                                                  : std::to_string(now - ended) + " s after a fault of the device") +
-                               "; ";
-      }
-      const bool isDeaf = active != nullptr && active->isDeaf;
-      // After such a fault, the force ends with the next frame.
-      const bool isHeard = !isDeaf && now > ended + 2.0 * kPeriod;
-      if (now > latched + kRampOut && isHeard && force > 1e-6) ++(active != nullptr ? result.late : result.early);
-      if (active != nullptr || now < std::max(ended, latched) + kRest) continue;
-      latched = -1.0;
-      const Status status = body.tick().device;
-      if (fault == GuardReason::device || (status != Status::ok && status != Status::stale)) break;  // start again
-      body.reset();
-      for (int i = 0; i < 8 && haptics.guard().fault() != GuardReason::none; ++i) (void)body.step();
     }
-    ++result.restarts;
+    const std::uint64_t before = body.tick().number;
+    (void)body.step();
+    const double force = rig.force().norm();
+    if (!(force <= largest * (1.0 + 1e-9))) ++result.tooLarge;
+    if (body.tick().number != before) {
+      ++result.ticks;
+      if (body.tick().mode == RenderMode::contact && body.tick().reason == GuardReason::none) ++result.inContact;
+    }
+    const GuardReason fault = haptics.guard().fault();
+    if (fault == GuardReason::none) continue;
+    if (latched < 0.0) {
+      latched = now;
+      ++result.latched[static_cast<std::size_t>(fault)];
+      if (fault != GuardReason::late && fault != GuardReason::device)
+        result.unexpected += std::string(toString(fault)) + " at " + std::to_string(now) + " s, " +
+                             (active != nullptr ? "during " + active->name
+                                                : std::to_string(now - ended) + " s after a fault of the device") +
+                             "; ";
+    }
+    const bool isDeaf = active != nullptr && active->isDeaf;
+    // After such a fault, the force ends with the next frame.
+    const bool isHeard = !isDeaf && now > ended + 2.0 * kPeriod;
+    if (now > latched + kRampOut && isHeard && force > 1e-6) ++(active != nullptr ? result.late : result.early);
+    if (active != nullptr || now < std::max(ended, latched) + kRest) continue;
+    if (const Status status = body.tick().device; status != Status::ok && status != Status::stale) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the host opens the device again in real time
+      toggle = now + kRest;
+      continue;
+    }
+    latched = -1.0;
+    ++result.resets;
+    body.reset();
+    for (int i = 0; i < 8 && haptics.guard().fault() != GuardReason::none; ++i) (void)body.step();
   }
   return result;
 }
@@ -200,7 +183,7 @@ void check(const std::string& name, const Rig& rig) {
   std::cout << " of the guard:";
   for (std::size_t i = 0; i < result.latched.size(); ++i)
     if (result.latched[i] > 0) std::cout << ' ' << toString(static_cast<GuardReason>(i)) << ' ' << result.latched[i];
-  std::cout << "; " << result.restarts << " starts; " << result.felt << " of " << result.stretches
+  std::cout << "; " << result.resets << " resets; " << result.felt << " of " << result.stretches
             << " stretches without faults with contact\n";
   CHECK(result.tooLarge == 0);
   CHECK(result.late == 0);
@@ -211,143 +194,217 @@ void check(const std::string& name, const Rig& rig) {
   CHECK(result.unexpected == "");
 }
 
-// The task push of `enamel compare` through a driver: rest under a preload, then a step of force.
-struct Pushes {
-  double preload, force, noise;  // N
-  double stiffness, damping;     // of the best spring (lib/docs/devices.md), N/m, N s/m
+// A driver between a virtual device and the loop of a study. The stand-in shows the sample of the virtual device, and
+// the virtual device receives the force of the stand-in.
+class ThroughDriver final : public HapticDevice {
+ public:
+  ThroughDriver(VirtualDevice& device, const Rig& rig)
+      : device_(device), rig_(rig), opened_(openAt(rig.url)), begin_ns_(clock_ns + 2'000'000) {
+    (void)take();
+    clock_ns = begin_ns_ - 1'000'000;  // before the first tick
+    opened_.device->open();
+  }
+  ~ThroughDriver() override { opened_.device->close(); }
+  ThroughDriver(const ThroughDriver&) = delete;
+  ThroughDriver& operator=(const ThroughDriver&) = delete;
+
+  [[nodiscard]] Status measure(Measurement& m) noexcept override {
+    if (const Status status = take(); status != Status::ok) return status;
+    rig_.period();
+    Status status = opened_.device->measure(m);
+    if (rig_.await) rig_.await(*opened_.device, m, status);
+    return status;
+  }
+  [[nodiscard]] Status actuate(const Command& command) noexcept override {
+    const std::uint64_t before = rig_.messages ? rig_.messages() : 0;
+    if (const Status status = opened_.device->actuate(command); status != Status::ok) return status;
+    while (rig_.messages && rig_.messages() == before) std::this_thread::yield();
+    Command arrived{JointVector::Zero(command.effort.size())};
+    arrived.effort.head<3>() = rig_.force();
+    return device_.actuate(arrived);
+  }
+
+ private:
+  Status take() noexcept {
+    const Status status = device_.measure(sample_);
+    clock_ns = begin_ns_ + std::llround(1e9 * device_.time());
+    rig_.show(sample_);
+    return status;
+  }
+
+  VirtualDevice& device_;
+  const Rig& rig_;
+  OpenedDevice opened_;
+  std::int64_t begin_ns_;
+  Measurement sample_;
 };
 
-// Mean depth stiffness of pushes, N/m. Each begins at another moment of a tick.
-double depthStiffness(const Rig& rig, const Pushes& pushes, bool isSpring) {
-  const ImpedanceOptions spring{pushes.stiffness, pushes.damping};
-  DriverLoop loop(rig, isSpring ? &spring : nullptr);
-  SteppedDevice& device = loop.device;
-  LoopBody body(device, loop.haptics, loop.options);
-  std::mt19937_64 random(test::seed());
-  std::normal_distribution<double> noise(0.0, pushes.noise);
-  const auto hold = [&](double force, double duration) {
-    for (const double end = device.time() + duration; device.time() < end;) {
-      rig.push(force + noise(random));
-      (void)body.step();
-    }
+// The tasks of `enamel compare`, with its forces scaled to the device as on the page, and its best spring there.
+struct Tasks {
+  double lowest, highest, preload, noise;  // of the push, N
+  double stiffness, damping;               // of the best spring, N/m, N s/m
+  double least;                            // ratio of K_d
+};
+
+void compare(const std::string& name, const Rig& rig, const Tasks& tasks) {
+  const Delay delay = openAt(rig.url).delay;
+  const DeviceParameters parameters = loadDevice(test::deviceFile(rig.file));
+  StudyPlan plan;
+  plan.scenarios = {1};
+  plan.grid = 1;
+  plan.runs = test::count(2, 20);
+  plan.lowestForce = tasks.lowest;
+  plan.highestForce = tasks.highest;
+  plan.insideTick = true;
+  plan.setup.hand.preload = tasks.preload;
+  plan.setup.hand.noise = tasks.noise;
+  plan.setup.encoders = {true, RateSource::difference};
+  plan.setup.wrapper = [&rig](VirtualDevice& device) { return std::make_unique<ThroughDriver>(device, rig); };
+  StudyColumn column;
+  column.plant = makeMechanism(parameters);
+  column.model = makeMechanism(modelFor(kImperfect, parameters));
+  column.makePlant = plantMaker(kImperfect, parameters, {}, plan.setup);
+  column.make = [&](std::size_t) {
+    return std::make_unique<PositionControlRenderer>(positionControlFor(*column.model, kPeriod, delay.low, delay.high));
   };
-  hold(pushes.preload, 0.5);
-  double sum = 0.0;
-  const int count = test::count(4, 20);
-  for (int i = 0; i < count; ++i) {
-    hold(pushes.preload, 0.4 + i * kPeriod / count);
-    rig.restart();
-    hold(pushes.preload, 0.1);
-    const double rest = rig.path(true);
-    rig.restart();
-    hold(pushes.force, 0.1);
-    sum += pushes.force / (rest - rig.path(false));
-    hold(pushes.force, 0.1);
+  plan.columns = {column, column};
+  plan.columns[1].make = [&](std::size_t) {
+    return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{tasks.stiffness, tasks.damping});
+  };
+  std::vector<StudyResult> results;
+  for (std::size_t i = 0; i < plan.size(); ++i) results.push_back(performRun(plan, runAt(plan, i)));
+  std::vector<RendererScore> scores = scoresOf(plan, results);
+  plan.setup.hand.noise = 0.5;  // the trials scale it as their forces
+  addWallTrials(plan, wallTrialNames(), 1, scores);
+  const double control = spreadOf(scores[0].depthStiffness).mean, spring = spreadOf(scores[1].depthStiffness).mean;
+  std::cout << name << ": " << plan.runs << " runs a task; K_d of position control " << 1e-3 * control
+            << " kN/m, of the spring " << 1e-3 * spring << " kN/m, ratio " << control / spring << "; pushes lost "
+            << scores[0].lost << ", " << scores[1].lost << '\n';
+  for (std::size_t i = 0; i < scores[0].trials.size(); ++i) {
+    const WallFigure &a = scores[0].trials[i], &b = scores[1].trials[i];
+    std::cout << "  " << a.trial << ", " << a.figure << ": " << a.value << ' ' << a.unit << " (" << a.lost
+              << " lost), spring " << b.value << " (" << b.lost << " lost)\n";
+    INFO(a.trial);
+    CHECK(a.lost == 0);
   }
-  CHECK(loop.haptics.guard().fault() == GuardReason::none);
-  rig.push(0.0);
-  return sum / count;
+  CHECK(scores[0].lost == 0);
+  CHECK(control > (test::longRun() ? tasks.least : 0.85 * tasks.least) * spring);  // few pushes scatter
 }
 
-void compare(const std::string& name, const Rig& rig, const Pushes& pushes, double least) {
-  const double control = depthStiffness(rig, pushes, false), spring = depthStiffness(rig, pushes, true);
-  std::cout << name << ": K_d of position control " << 1e-3 * control << " kN/m, of the spring " << 1e-3 * spring
-            << " kN/m, ratio " << control / spring << '\n';
-  CHECK(control > (test::longRun() ? least : 0.85 * least) * spring);  // few pushes scatter
+// The first trial passes with the driver as it is, and names each single mistake of it.
+void tryFirst(const std::string& name, const Rig& rig) {
+  const auto tried = [&](test::Mistake mistake) {
+    OpenedDevice opened = openAt(rig.url);
+    opened.device = std::make_unique<SteppedDevice>(std::move(opened.device), rig, kPeriod);
+    return test::tryOut(std::move(opened), mistake,
+                        [&](const Vec3& place, double stiffness) { rig.hold(place, stiffness, 4.0); });
+  };
+  const FirstTouchResult good = tried(test::Mistake::none);
+  INFO(name << "\n" << good.report);
+  CHECK(good.surprise.empty());
+  CHECK(good.isComplete);
+  for (const auto& [mistake, words] : test::kMistakes) {
+    const FirstTouchResult result = tried(mistake);
+    INFO(name << ", expected: " << words << "\n" << result.report);
+    CHECK_THAT(result.surprise, test::ContainsSubstring(words));
+    CHECK_FALSE(result.isComplete);
+  }
 }
 
 }  // namespace
 
 #ifdef ENAMEL_DHD_STAND_IN
+struct DhdRig : test::StandIn {
+  DhdRig() : test::StandIn(ENAMEL_DHD_STAND_IN, "dhd") { set("model", 3.0); }
+  Rig rig{std::string("forcedimension://0?library=") + ENAMEL_DHD_STAND_IN,
+          "omega-3.toml",
+          [] {},
+          [this] { return Vec3(force(1), force(2), force(0)); },
+          [this](const Vec3& place, double stiffness, double damping) { hold(place, stiffness, damping); },
+          find<void(const Measurement&)>("dhdStandInShow")};
+};
+
 TEST_CASE("the Force Dimension driver in simulated time, with faults", "[drivers]") {
-  const test::StandIn standIn(ENAMEL_DHD_STAND_IN, "dhd");
-  const auto set = [&](const char* what, double value) { standIn.set(what, value); };
-  set("model", 3.0);
-  Rig rig{std::string("forcedimension://0?library=") + ENAMEL_DHD_STAND_IN, std::sqrt(3.0) * 12.0, [] {},
-          [&] { return standIn.force().norm(); }};
-  rig.place = [&](double z) { set("place-z", z); };
-  rig.faults = {{"early", [&](bool on) { set("early", on); }},
-                {"forces cut", [&](bool on) { set("forces", !on); }},
-                {"unplugged", [&](bool on) { set("unplugged", on); }}};
-  check("forcedimension", rig);
+  DhdRig standIn;
+  standIn.rig.faults = {{"early", [&](bool on) { standIn.set("early", on); }},
+                        {"forces cut", [&](bool on) { standIn.set("forces", !on); }},
+                        {"unplugged", [&](bool on) { standIn.set("unplugged", on); }}};
+  check("forcedimension", standIn.rig);
 }
 
-TEST_CASE("pushes through the Force Dimension driver", "[drivers]") {
-  const test::StandIn standIn(ENAMEL_DHD_STAND_IN, "dhd");
-  const auto path = standIn.find<double(int)>("dhdStandInPath");
-  standIn.set("model", 3.0);
-  Rig rig{std::string("forcedimension://0?library=") + ENAMEL_DHD_STAND_IN, 0.0, [] {}, {}};
-  rig.push = [&](double force) { standIn.set("push", force); };
-  rig.path = [=](bool mean) { return path(mean ? 1 : 0); };
-  rig.restart = [&] { standIn.set("path", 0.0); };
-  compare("omega.3", rig, {0.24, 2.76, 0.12, 14.7e3, 100.0}, 2.0);
+TEST_CASE("tasks of the comparison through the Force Dimension driver", "[drivers]") {
+  const DhdRig standIn;
+  compare("omega.3", standIn.rig, {1.92, 3.6, 0.24, 0.12, 14.7e3, 100.0, 2.0});
 }
+
+TEST_CASE("the first trial with the Force Dimension driver", "[drivers]") { tryFirst("omega.3", DhdRig().rig); }
 #endif
 
 #ifdef ENAMEL_HD_STAND_IN
+struct HdRig : test::StandIn {
+  HdRig() : test::StandIn(ENAMEL_HD_STAND_IN, "hd") { set("manual", 1.0); }
+  ~HdRig() { set("manual", 0.0); }
+  HdRig(const HdRig&) = delete;
+  HdRig& operator=(const HdRig&) = delete;
+  Rig rig{std::string("openhaptics://Default Device?library=") + ENAMEL_HD_STAND_IN,
+          "touch.toml",
+          [periods = find<void(int)>("hdStandInPeriods")] { periods(1); },
+          [this] { return force(); },
+          [this](const Vec3& place, double stiffness, double damping) { hold(place, stiffness, damping); },
+          find<void(const Measurement&)>("hdStandInShow")};
+};
+
 TEST_CASE("the OpenHaptics driver in simulated time, with faults", "[drivers]") {
-  const test::StandIn standIn(ENAMEL_HD_STAND_IN, "hd");
-  const auto set = [&](const char* what, double value) { standIn.set(what, value); };
-  const auto periods = standIn.find<void(int)>("hdStandInPeriods");
-  set("manual", 1.0);
-  Rig rig{std::string("openhaptics://Default Device?library=") + ENAMEL_HD_STAND_IN, 3.3, [=] { periods(1); },
-          [&] { return standIn.force().norm(); }};
-  rig.place = [&](double z) { set("place-z", z); };
-  rig.faults = {{"stalled", [&](bool on) { set("stalled", on); }, true},
-                {"warm", [&](bool on) { set("warm", on); }},
-                {"unplugged", [&](bool on) { set("unplugged", on); }}};
-  check("openhaptics", rig);
-  set("manual", 0.0);
+  HdRig standIn;
+  standIn.rig.faults = {{"stalled", [&](bool on) { standIn.set("stalled", on); }, true},
+                        {"warm", [&](bool on) { standIn.set("warm", on); }},
+                        {"unplugged", [&](bool on) { standIn.set("unplugged", on); }}};
+  check("openhaptics", standIn.rig);
 }
 
-TEST_CASE("pushes through the OpenHaptics driver", "[drivers]") {
-  const test::StandIn standIn(ENAMEL_HD_STAND_IN, "hd");
-  const auto path = standIn.find<double(int)>("hdStandInPath");
-  const auto periods = standIn.find<void(int)>("hdStandInPeriods");
-  standIn.set("manual", 1.0);
-  Rig rig{std::string("openhaptics://Default Device?library=") + ENAMEL_HD_STAND_IN, 0.0, [=] { periods(1); }, {}};
-  rig.push = [&](double force) { standIn.set("push", force); };
-  rig.path = [=](bool mean) { return path(mean ? 1 : 0); };
-  rig.restart = [&] { standIn.set("path", 0.0); };
-  compare("Touch", rig, {0.066, 0.759, 0.033, 2.114e3, 15.75}, 1.0);
-  standIn.set("manual", 0.0);
+TEST_CASE("tasks of the comparison through the OpenHaptics driver", "[drivers]") {
+  const HdRig standIn;
+  compare("Touch", standIn.rig, {0.528, 0.99, 0.066, 0.033, 2.114e3, 15.75, 1.0});
 }
+
+TEST_CASE("the first trial with the OpenHaptics driver", "[drivers]") { tryFirst("Touch", HdRig().rig); }
 #endif
 
 #ifdef ENAMEL_HAPLY_SERVICE
-// The service answers over a socket in real time: wait for at most 0.2 s.
-static void awaitAnswer(HapticDevice& device, Measurement& m, Status& status) {
-  for (int i = 0; i < 10000 && status == Status::stale; ++i) {
-    std::this_thread::sleep_for(std::chrono::microseconds(20));
-    status = device.measure(m);
-  }
-}
+struct HaplyRig {
+  test::HaplyService service{test::deviceFile("inverse3.toml"), 0.0, 0.0};
+  bool isSilent = false;
+  Rig rig{"haply://" + service.address(), "inverse3.toml", [] {}, [this] { return service.newestForce(); },
+          [this](const Vec3& place, double stiffness, double damping) { service.hold(place, stiffness, damping); },
+          [this](const Measurement& sample) { service.show(sample); },
+          // The service answers over a socket in real time: wait for at most 0.2 s.
+          [this](HapticDevice& device, Measurement& m, Status& status) {
+            for (int i = 0; i < 10000 && !isSilent && status == Status::stale; ++i) {
+              std::this_thread::sleep_for(std::chrono::microseconds(20));
+              status = device.measure(m);
+            }
+          },
+          [this] { return service.messages.load(); }};
+};
 
 TEST_CASE("the Haply driver in simulated time, with faults", "[drivers]") {
-  test::HaplyService service(test::deviceFile("inverse3.toml"), kHandWay, -kHandWay);
-  bool isSilent = false;
-  Rig rig{"haply://" + service.address(), std::sqrt(3.0) * 6.0, [] {}, [&] { return std::abs(service.force.load()); }};
-  rig.await = [&](HapticDevice& device, Measurement& m, Status& status) {
-    if (!isSilent) awaitAnswer(device, m, status);
-  };
-  const auto silent = [&](std::atomic<bool>& fault) { return [&](bool on) { fault = isSilent = on; }; };
-  rig.faults = {{"no device", silent(service.isUnplugged)},
-                {"garbage", silent(service.isGarbage)},
-                {"shuffled", [&](bool on) { service.isShuffled = on; }},
-                {"slow", [&](bool on) { service.isSlow = on; }},
-                {"closed", [&](bool on) { service.isClosing = isSilent = on; }}};
-  check("haply", rig);
+  HaplyRig standIn;
+  test::HaplyService& service = standIn.service;
+  const auto silent = [&](std::atomic<bool>& fault) { return [&](bool on) { fault = standIn.isSilent = on; }; };
+  standIn.rig.faults = {{"no device", silent(service.isUnplugged)},
+                        {"garbage", silent(service.isGarbage)},
+                        {"shuffled", [&](bool on) { service.isShuffled = on; }},
+                        {"slow", [&](bool on) { service.isSlow = on; }},
+                        {"closed", [&](bool on) { service.isClosing = standIn.isSilent = on; }}};
+  check("haply", standIn.rig);
 }
 
-TEST_CASE("pushes through the Haply driver", "[drivers]") {
-  test::HaplyService service(test::deviceFile("inverse3.toml"), 0.0, 0.0);
-  Rig rig{"haply://" + service.address(), 0.0, [] {}, {}};
-  rig.await = awaitAnswer;
-  rig.push = [&](double force) { service.push = force; };
-  rig.path = [&](bool mean) { return mean ? service.mean() : service.lowest(); };
-  rig.restart = [&] { service.isNewPath = true; };
-  compare("Inverse3", rig, {0.12, 1.38, 0.06, 5.87e3, 35.0}, 2.0);
+TEST_CASE("tasks of the comparison through the Haply driver", "[drivers]") {
+  const HaplyRig standIn;
+  compare("Inverse3", standIn.rig, {0.96, 1.8, 0.12, 0.06, 5.87e3, 35.0, 2.0});
 }
+
+TEST_CASE("the first trial with the Haply driver", "[drivers]") { tryFirst("Inverse3", HaplyRig().rig); }
 #endif
 
 }  // namespace enamel::test_drivers

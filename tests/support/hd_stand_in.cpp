@@ -61,8 +61,9 @@ void period() {
   const Lock lock(s.mutex);
   if (!s.isOpen) return;
   s.device->turn = {s.valueOf("turn-x"), s.valueOf("turn-y"), s.valueOf("turn-z")};
-  s.device->place.z() = s.valueOf("place-z");
-  s.device->push = s.valueOf("push");
+  s.device->place = {s.valueOf("place-x"), s.valueOf("place-y"), s.valueOf("place-z")};
+  if (s.has("stiffness")) s.device->stiffness = s.valueOf("stiffness");
+  if (s.has("damping")) s.device->damping = s.valueOf("damping");
   s.device->advance(s.forces && !s.has("unplugged") ? Vec3(Vec3::Map(s.force)) : Vec3(Vec3::Zero()), Vec3::Zero());
 }
 
@@ -73,21 +74,20 @@ extern "C" {
 
 // Faults of 1 or 0: "button", "unplugged", "fault", "warm", "stalled". "absent" is the error of hdInitDevice().
 // "uncalibrated": 1 if an update helps, 2 if only the user can. "touch-x": another model. "max-force": N.
-// "manual": periods by hdStandInPeriods() instead of a thread. "place-z", "push", "turn-x", "turn-y", "turn-z": of the
-// hand, in the axes of W, m, N and rad. "path" restarts it.
+// "heat": of the hottest motor. "manual": periods by hdStandInPeriods() instead of a thread. Of the hand, in the axes
+// of W: "stiffness", "damping", "place-x" to "place-z", "turn-x" to "turn-z".
 void hdStandIn(const char* what, double value) {
   const Lock lock(s.mutex);
   s.faults[what] = value;
-  if (std::strcmp(what, "path") == 0) s.device->path = {};
   if (s.has("unplugged")) s.forces = false;  // nothing drives the motors any more
 }
 double hdStandInForce(int axis) {
   const Lock lock(s.mutex);
   return s.forces ? s.force[axis] : 0.0;
 }
-double hdStandInPath(int mean) {
+void hdStandInShow(const Measurement* sample) {
   const Lock lock(s.mutex);
-  return mean != 0 ? s.device->path.mean() : s.device->path.lowest;
+  s.device->show(*sample);
 }
 void hdStandInPeriods(int count) {
   for (int i = 0; i < count; ++i) period();
@@ -135,6 +135,8 @@ void hdGetDoublev(unsigned what, double* values) {
     corners << kMiddle - Vec3(80, 60, 35), kMiddle + Vec3(80, 60, 35);
   } else if (what == 0x2603) {
     *values = s.has("max-force") ? s.valueOf("max-force") : s.has("touch-x") ? 7.9 : 3.3;
+  } else if (what == 0x2605) {
+    for (int i = 0; i < 3; ++i) values[i] = i == 1 ? s.valueOf("heat") : 0.0;
   } else if (what != 0x2050 && what != 0x2052) {
     fail(0x0100);
   } else if (!s.isInFrame) {

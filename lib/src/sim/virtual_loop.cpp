@@ -30,6 +30,8 @@ VirtualLoop::VirtualLoop(std::unique_ptr<Plant> plant, const Mechanism& model, R
     : scene_((checkLoop(setup), setup.scene)),
       tool_(setup.tool),
       device_(std::move(plant), setup),
+      wrapped_(setup.wrapper ? setup.wrapper(device_) : nullptr),
+      driver_(wrapped_ ? *wrapped_ : device_),
       tick_(model, scene_, tool_, renderer, guardOf(device_.plant().mechanism(), model, setup), setup.start),
       trueCache_(makeToolCache(scene_, tool_)) {}
 
@@ -55,7 +57,7 @@ Status VirtualLoop::tick(const ExternalWrench& before, double instant, const Ext
 
 // Everything up to the torque that acts during this tick.
 Status VirtualLoop::react(TickRecord& record) noexcept {
-  const Status measured = device_.measure(measurement_);
+  const Status measured = driver_.measure(measurement_);
   if (measured != Status::ok && measured != Status::stale) return measured;
   if (measured == Status::ok) {
     measurement_.age = 0;
@@ -64,7 +66,7 @@ Status VirtualLoop::react(TickRecord& record) noexcept {
     measurement_.time = device_.time();
   }
   record.status = tick_(measurement_, command_);
-  if (const Status status = device_.actuate(command_); status != Status::ok) return status;
+  if (const Status status = driver_.actuate(command_); status != Status::ok) return status;
 
   const Kinematics& truth = device_.kinematics();
   record.tick = device_.tick();

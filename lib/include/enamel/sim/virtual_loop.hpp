@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "enamel/render/tick.hpp"
@@ -9,12 +10,17 @@
 
 namespace enamel {
 
+/// What measures and commands a virtual device in the loop's place, such as a driver. It must call measure() and
+/// actuate() of the device once a tick.
+using DeviceWrapper = std::function<std::unique_ptr<HapticDevice>(VirtualDevice&)>;
+
 /// All data of a loop except the person.
 struct LoopSetup : VirtualDeviceSetup {
   Scene scene = flatWall();
   Tool tool;
   bool guarded = true;        ///< false: the guard lets every torque pass
   double force = kUnlimited;  ///< the guard's limit of the rendered force at the TCP, N
+  DeviceWrapper wrapper;      ///< empty: the loop measures and commands the device itself
 };
 
 /// Check a setup. Throws Error as checkVirtualDevice(), and if the scene has no obstacles or the force is below 0.
@@ -99,6 +105,8 @@ class VirtualLoop {
   Scene scene_;
   Tool tool_;
   VirtualDevice device_;
+  std::unique_ptr<HapticDevice> wrapped_;
+  HapticDevice& driver_;  // wrapped_ or device_
   HapticTick tick_;
   ToolCache trueCache_;  // for the true contacts of the plant
   Measurement measurement_;
