@@ -150,7 +150,10 @@ class Trial {
     const double period = 1.0 / options_.rate;
     ImpedanceRenderer soft({kSoftWall, 0.0});
     if (!wall(soft, kImpedance, {{"stiffness", formatNumber(kSoftWall)}}, "a soft wall of 300 N/m", "")) return false;
-    const int low = opened_.delay.low, high = opened_.delay.high;
+    const auto [lowest, highest] = std::minmax_element(delays_.begin(), delays_.end());
+    const int low = *lowest, high = *highest;
+    const std::string measured = std::to_string(low) + (high > low ? ".." + std::to_string(high) : "");
+    note("position control assumes the measured delay; add the option delay=" + measured + " to the URL");
     PositionControlRenderer hard(positionControlFor(*opened_.mechanism, period, low, high));
     return wall(hard, kPositionControl, {{"delay", std::to_string(low)}, {"delay-high", std::to_string(high)}},
                 "a hard wall", options_.recording);
@@ -255,6 +258,7 @@ class Trial {
     const double wanted = effectiveMass(home, home.pose.position, Vec3::Unit(axis));
     note("  " + text("apparent mass %.3f kg (file %.3f kg), ", mass, wanted) + "delay " + std::to_string(delay) +
          " ticks (stated " + std::to_string(opened_.delay.low) + " to " + std::to_string(opened_.delay.high) + ")");
+    delays_.push_back(delay);
     if (!(mass > wanted / kMassFactor && mass < wanted * kMassFactor))
       throw Surprise{name + text(": the apparent mass is %.3f kg, the device file has %.3f kg: unit of the forces, or "
                                  "the file?",
@@ -325,6 +329,7 @@ class Trial {
   OpenedDevice& opened_;
   const FirstTouchOptions& options_;
   const std::function<bool(const std::string&)>& ask_;
+  std::vector<int> delays_;  // measured by the last pushes, ticks
 };
 
 }  // namespace
