@@ -34,25 +34,14 @@ const Frame& LiveDevice::frame() noexcept {
 
 // Describe a tick as VirtualLoop does, with the pose that the device measured.
 void LiveDevice::look(const TickFrame& tick) noexcept {
-  const Kinematics& k = tick.kinematics;
   TickRecord& r = frame_.record;
   ++r.tick;
   r.time = tick.time;
-  r.pose = k.pose;
-  r.twist = k.twist;
-  r.requested = tick.output.torque;
-  r.command = r.torque = tick.command;
-  r.rendered = wrenchOf(k, r.torque - k.gravity);
-  r.nearest = nearestContact(scene_.scene, scene_.tool, k.pose, &cache_);
-  r.gapRate = r.nearest.normal.dot(contactVelocity(k, r.nearest));
-  r.normalForce = tick.reason == GuardReason::none ? tick.output.normalForce
-                                                   : r.nearest.normal.dot(wrenchOf(k, r.command - k.gravity).head<3>());
-  r.mode = tick.output.mode;
-  r.saturated = tick.output.saturated;
-  r.guard = tick.reason;
+  r.torque = tick.command;
+  describe(tick, tick.kinematics, scene_.scene, scene_.tool, &cache_, r);
   ++frame_.guardTicks[static_cast<std::size_t>(r.guard)];
   frame_.contacts = tick.contacts;
-  frame_.hand.target = frame_.hand.position = k.pose.position;
+  frame_.hand.target = frame_.hand.position = r.pose.position;
   frame_.conditions = conditions_.add(r, largest_);
   frame_.readout = readouts_.add(r);
   frame_.conditions.edge = false;  // the stops of the simulated device

@@ -16,8 +16,8 @@ using test::Mistake;
 
 namespace {
 
-// Try a simulated stylus.
-FirstTouchResult tryOut(Mistake mistake, const std::string& recording = "", int confirmations = 1000) {
+// Try a simulated stylus with a delay, ticks.
+FirstTouchResult tryOut(Mistake mistake, const std::string& recording = "", int confirmations = 1000, int delay = 0) {
   struct Hand {
     Vec3 place = Vec3::Zero();
     double stiffness = 300.0;  // N/m
@@ -26,10 +26,12 @@ FirstTouchResult tryOut(Mistake mistake, const std::string& recording = "", int 
   const auto mechanism = makeMechanism(loadDevice(test::deviceFile("cartesian-3.toml")));
   VirtualDeviceSetup setup;
   setup.encoders = {true, RateSource::lowPass, 100.0};
+  setup.delay = {delay, delay};
   OpenedDevice opened;
   opened.file = test::deviceFile("cartesian-3.toml");
   opened.text = readFile(opened.file);
   opened.mechanism = mechanism;
+  opened.delay = {0, 3};
   opened.device =
       std::make_unique<SimulatedDevice>(*mechanism, setup, [hand](double, const Pose& pose, const Vec6& twist) {
         Vec6 wrench = Vec6::Zero();
@@ -63,6 +65,15 @@ TEST_CASE("each single mistake of a driver stops the first trial, and is named",
     CHECK_THAT(result.surprise, ContainsSubstring(words));
     CHECK_FALSE(result.isComplete);
     CHECK_THAT(result.report, ContainsSubstring("SURPRISE: " + result.surprise));
+  }
+}
+
+TEST_CASE("the first trial measures the delay, and position control uses it", "[first_touch]") {
+  for (const int delay : {0, 1, 2, 3}) {
+    const FirstTouchResult result = tryOut(Mistake::none, "", 1000, delay);
+    INFO(result.report);
+    CHECK(result.isComplete);
+    CHECK_THAT(result.report, ContainsSubstring("add the option delay=" + std::to_string(delay) + " to the URL"));
   }
 }
 

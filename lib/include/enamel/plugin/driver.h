@@ -23,7 +23,7 @@ extern "C" {
 #endif
 
 /* Interface version. It increases when a struct or the meaning of a function changes. */
-#define ENAMEL_DRIVER_ABI_VERSION 2u
+#define ENAMEL_DRIVER_ABI_VERSION 1u
 
 /* Name of the exported function. */
 #define ENAMEL_DRIVER_SYMBOL "enamel_driver"

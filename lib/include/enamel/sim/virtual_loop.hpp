@@ -48,6 +48,11 @@ struct TickRecord {
   GuardReason guard = GuardReason::none;
 };
 
+/// Fill in all fields that follow from a haptic tick, the torque of the record, and the pose of the device. `device` is
+/// that of the plant, or as measured. Realtime: yes.
+void describe(const TickFrame& tick, const Kinematics& device, const Scene& scene, const Tool& tool, ToolCache* cache,
+              TickRecord& record) noexcept;
+
 /// The loop: a virtual device and a haptic tick. It refers to mechanisms and renderer, which must outlive it.
 class VirtualLoop {
  public:
