@@ -31,6 +31,10 @@ class LiveDevice {
   const Frame& frame() noexcept;
   bool nextSample(Sample& sample) noexcept { return samples_.pop(sample); }
 
+  /// Record every tick, as Session::record(), and end the recording.
+  void record(const std::string& path) { session_->record(path); }
+  RecordingResult stopRecording() { return session_->stopRecording(); }
+
   /// Continue after a fault of the guard.
   void reset() { session_->reset(); }
 

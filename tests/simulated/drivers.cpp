@@ -230,9 +230,8 @@ struct Tasks {
   double ratio;                            // of K_d on the page
 };
 
-void compareOn(const std::string& plant, const std::string& name, const Rig& rig, const Tasks& tasks) {
-  const char* const mark = rig.url.find('?') == std::string::npos ? "?" : "&";
-  const Delay delay = openAt(rig.url + mark + "delay=" + std::to_string(tasks.delay)).delay;
+// The plan of pushes through a driver: position control for a delay, and the best spring.
+StudyPlan pushesOf(const std::string& plant, const Rig& rig, const Tasks& tasks, const Delay& delay) {
   const DeviceParameters parameters = loadDevice(test::deviceFile(rig.file));
   StudyPlan plan;
   plan.scenarios = {1};
@@ -250,15 +249,27 @@ void compareOn(const std::string& plant, const std::string& name, const Rig& rig
   column.plant = makeMechanism(parameters);
   column.model = makeMechanism(modelFor(plant, parameters));
   column.makePlant = plantMaker(plant, parameters, {}, plan.setup);
-  column.make = [&](std::size_t) {
-    return std::make_unique<PositionControlRenderer>(positionControlFor(*column.model, kPeriod, delay.low, delay.high));
+  column.make = [model = column.model, delay](std::size_t) {
+    return std::make_unique<PositionControlRenderer>(positionControlFor(*model, kPeriod, delay.low, delay.high));
   };
   plan.columns = {column, column};
-  plan.columns[1].make = [&](std::size_t) {
+  plan.columns[1].make = [&tasks](std::size_t) {
     return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{tasks.stiffness, tasks.damping});
   };
+  return plan;
+}
+
+std::vector<StudyResult> resultsOf(const StudyPlan& plan) {
   std::vector<StudyResult> results;
   for (std::size_t i = 0; i < plan.size(); ++i) results.push_back(performRun(plan, runAt(plan, i)));
+  return results;
+}
+
+void compareOn(const std::string& plant, const std::string& name, const Rig& rig, const Tasks& tasks) {
+  const char* const mark = rig.url.find('?') == std::string::npos ? "?" : "&";
+  const Delay delay = openAt(rig.url + mark + "delay=" + std::to_string(tasks.delay)).delay;
+  StudyPlan plan = pushesOf(plant, rig, tasks, delay);
+  const std::vector<StudyResult> results = resultsOf(plan);
   for (const StudyResult& r : results)
     if (isLost(r))
       std::cout << "  lost: column " << r.run.column << ", run " << r.run.run << ", " << r.run.force << " N, "
@@ -328,6 +339,21 @@ TEST_CASE("the Force Dimension driver in simulated time, with faults", "[drivers
 TEST_CASE("tasks of the comparison through the Force Dimension driver", "[drivers]") {
   const test::DhdRig standIn;
   compare("omega.3", standIn.rig, {1.92, 3.6, 0.24, 0.12, 48.8e3, 140.0, 0, 1.76});
+}
+
+TEST_CASE("the delay that position control assumes must be that of the device", "[drivers]") {
+  const test::DhdRig standIn;
+  const Tasks tasks{1.92, 3.6, 0.24, 0.12, 48.8e3, 140.0, 0, 0.0};
+  for (const Delay& assumed : {Delay{0, 0}, Delay{0, 1}, Delay{1, 1}})
+    for (const int actual : {0, 1}) {
+      StudyPlan plan = pushesOf(kClosedForm, standIn.rig, tasks, assumed);
+      plan.columns.resize(1);
+      plan.setup.delay = {actual, actual};
+      const int lost = scoresOf(plan, resultsOf(plan))[0].lost;
+      std::cout << "omega.3, assumed delay " << assumed.low << ".." << assumed.high << ", actual " << actual << ": "
+                << lost << " of " << plan.size() << " pushes lost\n";
+      if (assumed.low == actual && assumed.high == actual) CHECK(lost == 0);
+    }
 }
 
 TEST_CASE("the first trial with the Force Dimension driver", "[drivers]") { tryFirst("omega.3", test::DhdRig().rig); }

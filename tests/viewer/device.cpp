@@ -1,5 +1,6 @@
 // A connected device in the viewer: it moves the tool, and the parts of a simulation are refused.
 #include <csignal>
+#include <filesystem>
 
 #include "viewer/running_viewer.hpp"
 
@@ -13,7 +14,7 @@ const std::string kNoDisplay = "-u DISPLAY -u WAYLAND_DISPLAY";
 
 TEST_CASE("a connected device moves the tool of the viewer", "[viewer]") {
   const test::TemporaryFolder folder;
-  test::writeFile(folder / "script.txt", "0 push\n0 pause\n0 hand 0 0 5\n0 set delay 2\n3600 end\n");
+  test::writeFile(folder / "script.txt", "0 record\n0 push\n0 pause\n0 hand 0 0 5\n0 set delay 2\n3600 end\n");
   // The hand of the simulated device presses towards the wall from the start of the scene.
   test::RunningViewer viewer(folder,
                              test::shippedScene("flat-wall.toml") + " --headless --script '" + folder / "script.txt" +
@@ -29,6 +30,13 @@ TEST_CASE("a connected device moves the tool of the viewer", "[viewer]") {
   CHECK(report.at("opengl_errors") == 0);
   viewer.signal(SIGTERM);
   CHECK(viewer.wait() == 128 + SIGTERM);
+  // The recording replays bit for bit.
+  std::string recording;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(folder / "")))
+    if (entry.path().extension() == ".rec") recording = entry.path().string();
+  const test::CommandResult replayed = test::run("replay '" + recording + "'");
+  INFO(recording << "\n" << viewer.said() << replayed.output);
+  CHECK(replayed.status == 0);
 }
 
 TEST_CASE("connections that the viewer refuses", "[viewer]") {
