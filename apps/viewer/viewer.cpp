@@ -423,7 +423,7 @@ OverlayInput Viewer::overlayInput() const {
                      camera_.camera(),
                      camera_.view(),
                      timing_,
-                     {simulated_, motion_.tourTime(now_), isRecording() ? simulated_ - recording_.begin : -1.0, clip_}};
+                     {simulated_, motion_.tourTime(now_), records() ? simulated_ - recording_.begin : -1.0, clip_}};
   if (split_) input.right.emplace(toolOf(right_));
   if (const auto* layers = layersOf(solids_); !player_ && scene_.bur && layers != nullptr)
     input.bur.emplace(BurInput{*scene_.bur, *layers, burDepth(scene_, solids_, left_.frame.record.pose)});

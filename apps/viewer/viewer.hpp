@@ -127,7 +127,7 @@ class Viewer final : public InputTarget {
   void pressWith(double newtons);
   void toggleRecording();
   void recordDevice();
-  bool isRecording() const { return !recording_.path.empty(); }
+  bool records() const { return !recording_.path.empty(); }
   bool actOnScan(Action action);
   bool canOpen(const std::string& path);
 

@@ -268,7 +268,7 @@ void Viewer::setSlowdown(int factor) {
 
 void Viewer::undo() {
   if (left_.frame.drilled.strokes == 0) return notify("No stroke of a bur to undo.");
-  if (isRecording()) return notify("Undo is not possible during a recording: Ctrl+R ends it.");
+  if (records()) return notify("Undo is not possible during a recording: Ctrl+R ends it.");
   send(RunnerCommand::Kind::undo);
 }
 
@@ -292,7 +292,7 @@ void Viewer::resetAll() {
 // state, which the replay needs. It ends with its experiment.
 void Viewer::toggleRecording() {
   std::string path;
-  if (!isRecording()) {
+  if (!records()) {
     if (split_) return notify("The split screen cannot be recorded: V shows one tool.");
     const RemovedVolume& removed = left_.frame.drilled.removed;
     if (scene_.bur && std::any_of(removed.begin(), removed.end(), [](double volume) { return volume > 0.0; }))
@@ -304,7 +304,7 @@ void Viewer::toggleRecording() {
 
 // Start or end a recording of a connected device.
 void Viewer::recordDevice() {
-  if (isRecording()) return notify(endRecording());
+  if (records()) return notify(endRecording());
   try {
     const std::string path = freePath(folder_, "enamel", {".rec"}) + ".rec";
     live_->record(path);
@@ -315,7 +315,7 @@ void Viewer::recordDevice() {
 }
 
 std::string Viewer::endRecording() {
-  if (!isRecording()) return {};
+  if (!records()) return {};
   const RecordingResult result = live_ ? live_->stopRecording() : std::exchange(recording_.recorder, nullptr)->close();
   std::string text = std::exchange(recording_.path, {}) + ": " + std::to_string(result.ticks) + " ticks";
   if (result.lost > 0) text += ", " + std::to_string(result.lost) + " lost";

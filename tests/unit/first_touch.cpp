@@ -31,7 +31,7 @@ FirstTouchResult tryOut(Mistake mistake, const std::string& recording = "", int 
   opened.file = test::deviceFile("cartesian-3.toml");
   opened.text = readFile(opened.file);
   opened.mechanism = mechanism;
-  opened.delay = {0, 3};
+  opened.delay = {0, delay};
   opened.device =
       std::make_unique<SimulatedDevice>(*mechanism, setup, [hand](double, const Pose& pose, const Vec6& twist) {
         Vec6 wrench = Vec6::Zero();

@@ -294,7 +294,7 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
 
   // Full until the end: it is complete up to there, and missing ticks are reported.
   Rig other;
-  test::Disk small(100000);
+  test::Disk small(110000);
   Recorder full([&](const char* bytes, std::size_t size) { return small.write(bytes, size); }, "a disk", {},
                 other.tick);
   other.run(full, 10000);
