@@ -224,7 +224,9 @@ void connect(const DeviceOptions& options) {
   else
     session.startOpened();
   const HapticLoop& loop = *session.loop();
-  fmt::print("{} at {}: {}, memory {}\n", session.mechanism().name(), options.connect, options.renderer,
+  const Delay& delay = session.opened().delay;
+  fmt::print("{} at {}: {}, delay {}{} ticks, memory {}\n", session.mechanism().name(), options.connect,
+             options.renderer, delay.low, delay.high > delay.low ? fmt::format("..{}", delay.high) : std::string(),
              loop.memoryLocked() ? "locked" : "not locked: the system refused" + std::string(kHow));
   std::fflush(stdout);
   watch(session, options.connect, options.duration == 0.0 ? 10.0 : options.duration);

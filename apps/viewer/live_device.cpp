@@ -6,13 +6,14 @@ namespace enamel::viewer {
 
 LiveDevice::LiveDevice(SessionDef def, RendererSlot slot)
     : def_(std::move(def)), scene_(loadScene(def_.scene)), cache_(makeToolCache(scene_.scene, scene_.tool)) {
-  if (scene_.bur) throw Error(def_.scene + ": a scene with a bur needs the simulated device (--device FILE)");
   bool hasTicked = false;
   def_.beforeTick = [this, hasTicked](TickAccess& access) mutable {
+    if (scene_.bur) access.spin(spins_ || (access.measurement().buttons & 1U) != 0);
     if (hasTicked) look(access.frame());
     hasTicked = true;
   };
   session_ = std::make_unique<Session>(def_);
+  for (const Obstacle& obstacle : scene_.scene.obstacles()) obstacles_.push_back(session_->find(obstacle.name));
   parameters_ = parseDevice(session_->opened().text, session_->opened().file);
   largest_ = session_->mechanism().limits().effort;
   for (double& limit : largest_)
@@ -41,6 +42,12 @@ void LiveDevice::look(const TickFrame& tick) noexcept {
   describe(tick, tick.kinematics, scene_.scene, scene_.tool, &cache_, r);
   ++frame_.guardTicks[static_cast<std::size_t>(r.guard)];
   frame_.contacts = tick.contacts;
+  if (const Drill* const drill = session_->haptics().drill(); drill != nullptr) {
+    frame_.drilled.spins = drill->spins();
+    frame_.drilled.feed = drill->feed();
+    for (std::size_t i = 0; tick.age == 0 && i < drill->removed().size(); ++i)
+      frame_.drilled.removed[i] += drill->removed()[i];
+  }
   frame_.hand.target = frame_.hand.position = r.pose.position;
   frame_.conditions = conditions_.add(r, largest_);
   frame_.readout = readouts_.add(r);

@@ -2,7 +2,9 @@
 // viewer renders and guards as every other host does, and only draws what the loop reports.
 #pragma once
 
+#include <atomic>
 #include <memory>
+#include <vector>
 
 #include "enamel/runtime/triple_buffer.hpp"
 #include "enamel/session/session.hpp"
@@ -13,7 +15,7 @@ namespace enamel::viewer {
 class LiveDevice {
  public:
   /// Connect the device of `def`, and start its loop. `def` must have a device and a scene; beforeTick is overwritten.
-  /// `slot` is shown as the renderer. Throws Error as Session and its startOpened(), and for a scene with a bur.
+  /// `slot` is shown as the renderer. Throws Error as Session and its startOpened().
   LiveDevice(SessionDef def, RendererSlot slot);
   LiveDevice(const LiveDevice&) = delete;
   LiveDevice& operator=(const LiveDevice&) = delete;
@@ -35,6 +37,14 @@ class LiveDevice {
   void record(const std::string& path) { session_->record(path); }
   RecordingResult stopRecording() { return session_->stopRecording(); }
 
+  /// Let the bur of the scene spin. It also spins while the first button of the device is pressed.
+  void spin(bool on) noexcept { spins_ = on; }
+
+  /// Take a changed brick of an obstacle of scene(), as Session::takeChange().
+  bool takeChange(std::size_t obstacle, BrickChange& change) {
+    return session_->takeChange(obstacles_[obstacle], change);
+  }
+
   /// Continue after a fault of the guard.
   void reset() { session_->reset(); }
 
@@ -43,6 +53,8 @@ class LiveDevice {
 
   SessionDef def_;
   SceneFile scene_;  // a copy for the nearest contact and the picture
+  std::vector<ObstacleId> obstacles_;
+  std::atomic<bool> spins_{false};
   ToolCache cache_;
   DeviceParameters parameters_;
   JointVector largest_;  // of each motor, N m or N; 1 without a motor, whose torque is 0

@@ -249,7 +249,7 @@ void Viewer::takeRun() {
 void Viewer::takeSolids() {
   for (std::size_t i = 0; i < solids_.size(); ++i) {
     if (!solids_[i].uncut) continue;
-    for (BrickChange change; drilledSolids_->takeChange(i, change);) {
+    for (BrickChange change; live_ ? live_->takeChange(i, change) : drilledSolids_->takeChange(i, change);) {
       solids_[i].samples[static_cast<std::size_t>(change.brick)] = change.samples;
       left_.view->change(i, change.brick);
     }
@@ -291,6 +291,7 @@ void Viewer::takeDevice() {
   if (fault != fault_ && fault != GuardReason::none)
     notify("Stopped by the guard: " + guardText(fault) + ". Backspace continues.");
   fault_ = fault;
+  takeSolids();
 }
 
 // Perform the requests of the overlay.

@@ -350,12 +350,13 @@ void Viewer::pressWith(double newtons) {
 }
 
 void Viewer::spin(bool on) {
-  if (isRefused(Source::live)) return;
+  if (!live_ && isRefused(Source::live)) return;
   if (!scene_.bur) {
     if (on) notify("The tool of this scene is not a bur: it cannot spin (scene drill has one).");
     return;
   }
   spins_ = on;
+  if (live_) return live_->spin(on);
   send(RunnerCommand::Kind::spin, on ? 1 : 0);
 }
 

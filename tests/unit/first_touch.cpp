@@ -77,6 +77,16 @@ TEST_CASE("the first trial measures the delay, and position control uses it", "[
   }
 }
 
+TEST_CASE("the first trial asks whether the person moved a handle at rest", "[first_touch]") {
+  const auto mechanism = makeMechanism(loadDevice(test::deviceFile("cartesian-3.toml")));
+  OpenedDevice opened;
+  opened.mechanism = mechanism;
+  opened.device = std::make_unique<SimulatedDevice>(
+      *mechanism, VirtualDeviceSetup(), [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); });
+  CHECK_THAT(test::tryOut(std::move(opened), Mistake::none, [](const Vec3&, double) {}).surprise,
+             ContainsSubstring("the position did not change: did you move the handle"));
+}
+
 TEST_CASE("the person ends the first trial at any step", "[first_touch]") {
   for (const int confirmations : {0, 2, 5, 14}) {
     const FirstTouchResult result = tryOut(Mistake::none, "", confirmations);

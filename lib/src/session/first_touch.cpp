@@ -26,6 +26,7 @@ constexpr double kRest = 1.0, kPush = 0.06, kAfter = 0.3, kWall = 4.0;  // s, of
 constexpr double kMostLost = 0.1;                                       // share of the ticks
 constexpr double kClockError = 0.05;                                    // of the time stamps
 constexpr double kShortestMove = 0.01, kLongestMove = 0.2;              // m, of a motion "by about 5 cm"
+constexpr double kStill = 1e-4;                                         // m
 constexpr double kSmallPush = 0.1, kMediumPush = 0.5;                   // N
 constexpr double kMassFactor = 4.0;                                     // between the file and the measurement
 constexpr int kDelayError = 2, kMostDelay = 12;                         // ticks
@@ -128,6 +129,10 @@ class Trial {
            text("%.1f, %.1f, %.1f mm", 1e3 * way.x(), 1e3 * way.y(), 1e3 * way.z()) + ", buttons " +
            std::to_string(buttons));
       requireNoFault(log);
+      if (way.norm() < kStill)
+        throw Surprise{
+            "the position did not change: did you move the handle, and does the vendor's own program show "
+            "its position?"};
       requireAlong(way, axis, "position", kDirections[axis]);
       if (way.norm() < kShortestMove || way.norm() > kLongestMove)
         throw Surprise{text("the position changed by %.4g m instead of about 0.05 m: is its unit m?", way.norm())};
