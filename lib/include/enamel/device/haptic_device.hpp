@@ -10,7 +10,7 @@
 
 namespace enamel {
 
-/// What a device reports about itself: bits of Measurement::conditions.
+/// Reports of a device about itself: bits of Measurement::conditions.
 enum DeviceCondition : std::uint32_t {
   kForcesCut = 1,     ///< it has cut its forces by itself, for example because a motor is hot
   kUncalibrated = 2,  ///< its positions may be wrong

@@ -28,7 +28,7 @@ extern "C" {
 /* Name of the exported function. */
 #define ENAMEL_DRIVER_SYMBOL "enamel_driver"
 
-/* What a device reports about itself: bits of EnamelMeasurement.conditions. */
+/* Reports of a device about itself: bits of EnamelMeasurement.conditions. */
 enum EnamelCondition {
   ENAMEL_FORCES_CUT = 1,  /* it has cut its forces by itself, for example because a motor is hot */
   ENAMEL_UNCALIBRATED = 2 /* its positions may be wrong */

@@ -10,8 +10,8 @@
 
 namespace enamel {
 
-/// What measures and commands a virtual device in the loop's place, such as a driver. It must call measure() and
-/// actuate() of the device once a tick.
+/// Make a device that stands between a virtual device and its loop, such as a driver. It must call measure() and
+/// actuate() of the virtual device once a tick.
 using DeviceWrapper = std::function<std::unique_ptr<HapticDevice>(VirtualDevice&)>;
 
 /// All data of a loop except the person.
