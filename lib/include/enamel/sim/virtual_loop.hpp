@@ -10,7 +10,7 @@
 
 namespace enamel {
 
-/// Make a device that stands between a virtual device and its loop, such as a driver. It must call measure() and
+/// Make a device between a virtual device and its loop, such as a driver. It must call measure() and
 /// actuate() of the virtual device once a tick.
 using DeviceWrapper = std::function<std::unique_ptr<HapticDevice>(VirtualDevice&)>;
 
