@@ -8,7 +8,8 @@ LiveDevice::LiveDevice(SessionDef def, RendererSlot slot)
     : def_(std::move(def)), scene_(loadScene(def_.scene)), cache_(makeToolCache(scene_.scene, scene_.tool)) {
   bool hasTicked = false;
   def_.beforeTick = [this, hasTicked](TickAccess& access) mutable {
-    if (scene_.bur) access.spin(spins_ || (access.measurement().buttons & 1U) != 0);
+    if (const bool isPressed = (access.measurement().buttons & 1U) != 0; isPressed != isPressed_)
+      access.spin(isPressed_ = isPressed);
     if (hasTicked) look(access.frame());
     hasTicked = true;
   };

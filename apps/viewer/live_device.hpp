@@ -2,7 +2,6 @@
 // viewer renders and guards as every other host does, and only draws what the loop reports.
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <vector>
 
@@ -37,8 +36,8 @@ class LiveDevice {
   void record(const std::string& path) { session_->record(path); }
   RecordingResult stopRecording() { return session_->stopRecording(); }
 
-  /// Let the bur of the scene spin. It also spins while the first button of the device is pressed.
-  void spin(bool on) noexcept { spins_ = on; }
+  /// Let the bur of the scene spin. The first button of the device does the same while it is pressed.
+  void spin(bool on) { session_->spin(on); }
 
   /// Take a changed brick of an obstacle of scene(), as Session::takeChange().
   bool takeChange(std::size_t obstacle, BrickChange& change) {
@@ -54,11 +53,11 @@ class LiveDevice {
   SessionDef def_;
   SceneFile scene_;  // a copy for the nearest contact and the picture
   std::vector<ObstacleId> obstacles_;
-  std::atomic<bool> spins_{false};
   ToolCache cache_;
   DeviceParameters parameters_;
   JointVector largest_;  // of each motor, N m or N; 1 without a motor, whose torque is 0
   // Of the loop's thread:
+  bool isPressed_ = false;  // the first button
   Frame frame_;
   ConditionWatch conditions_;
   ReadoutFilter readouts_;

@@ -1,9 +1,11 @@
 // A stand-in of libHD of OpenHaptics: the documented functions that the driver uses, a scheduler with its own thread,
 // and a simulated Touch. The functions hdStandIn...() are not the vendor's: they select the device and its faults.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstring>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -50,15 +52,13 @@ using Lock = std::lock_guard<std::recursive_mutex>;
 
 void fail(unsigned code) { s.errors.push_front({code, -7, kHandle}); }
 
-// One period of the scheduler: all tasks, then the device moves.
+// One period of the scheduler: all tasks, then the device moves. hdUnschedule() waits for its end, as the vendor's.
 void period() {
-  std::map<unsigned long, std::pair<Callback, void*>> tasks;
-  {
-    const Lock lock(s.mutex);
-    if (!s.has("stalled")) tasks = s.tasks;
-  }
-  for (const auto& [task, call] : tasks) (void)call.first(call.second);  // the driver's task always continues
   const Lock lock(s.mutex);
+  if (!s.has("stalled")) {
+    const auto tasks = s.tasks;
+    for (const auto& [task, call] : tasks) (void)call.first(call.second);  // the driver's task always continues
+  }
   if (!s.isOpen) return;
   s.device->turn = {s.valueOf("turn-x"), s.valueOf("turn-y"), s.valueOf("turn-z")};
   s.device->place = {s.valueOf("place-x"), s.valueOf("place-y"), s.valueOf("place-z")};
@@ -101,6 +101,7 @@ unsigned hdInitDevice(const char* name) {
   if (name != nullptr && std::strcmp(name, "Default Device") != 0) return fail(0x0300), 0xFFFFFFFF;
   s.device = std::make_unique<test::HeldDevice>(s.has("touch-x") ? "touch-x.toml" : "touch.toml", 1e-3);
   s.isOpen = true;
+  std::fill(std::begin(s.force), std::end(s.force), 0.0);
   s.device->advance(Vec3::Zero(), Vec3::Zero());
   return kHandle;
 }
