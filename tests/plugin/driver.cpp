@@ -110,9 +110,9 @@ std::int32_t connect(const char* address, const EnamelParameter* options, std::s
   connected->device = {sizeof(EnamelDevice),
                        0u,
                        new Point,
-                       [](void* user, EnamelMessage message) {
+                       [](void* user, EnamelMessage why) {
                          const Call call;
-                         if (failuresLeft > 0 && failuresLeft-- > 0) return refuse(message, "still unplugged");
+                         if (failuresLeft > 0 && failuresLeft-- > 0) return refuse(why, "still unplugged");
                          static_cast<Point*>(user)->isOpen = true;
                          isLost = false;
                          ++opened;

@@ -151,7 +151,7 @@ Result run(const Rig& rig, double duration) {
     latched = -1.0;
     ++result.resets;
     body.reset();
-    for (int i = 0; i < 8 && haptics.guard().fault() != GuardReason::none; ++i) (void)body.step();
+    for (int i = 0; i < 40 && haptics.guard().fault() != GuardReason::none; ++i) (void)body.step();  // until a sample
   }
   return result;
 }

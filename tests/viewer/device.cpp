@@ -42,7 +42,7 @@ TEST_CASE("a connected device moves the tool of the viewer", "[viewer]") {
 
 TEST_CASE("a bur cuts on a connected device, and its recording replays", "[viewer]") {
   const test::TemporaryFolder folder;
-  test::writeFile(folder / "script.txt", "0 record\n0 spin on\n3600 end\n");
+  test::writeFile(folder / "script.txt", "0 record\n2 spin on\n3600 end\n");
   test::RunningViewer viewer(
       folder,
       test::shippedScene("drill.toml") + " --headless --script '" + folder / "script.txt" + "' --device virtual:",
