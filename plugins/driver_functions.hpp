@@ -71,9 +71,10 @@ class DriverRates {
   std::array<double, ENAMEL_MAX_JOINTS> last_{}, rates_{};
 };
 
-/// Make the table of a device from a class with open(), close(), measure(m) and actuate(effort, count).
+/// Make the table of a device from a class with open(), close(), measure(m) and actuate(effort, count). `grip`: of a
+/// device whose gripper has a motor.
 template <typename Device>
-EnamelDevice deviceTable(Device* device) noexcept {
+EnamelDevice deviceTable(Device* device, decltype(EnamelDevice::grip) grip = nullptr) noexcept {
   return {sizeof(EnamelDevice),
           0u,
           device,
@@ -84,7 +85,8 @@ EnamelDevice deviceTable(Device* device) noexcept {
           [](void* user, EnamelMeasurement* m) { return static_cast<Device*>(user)->measure(*m); },
           [](void* user, const double* effort, std::int32_t count) {
             return static_cast<Device*>(user)->actuate(effort, count);
-          }};
+          },
+          grip};
 }
 
 /// Return the table of a driver.

@@ -3,9 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <numeric>
@@ -36,12 +38,13 @@ struct DeviceOptions {
 };
 
 // Wait for an interruption or for `duration` s; 0: until an interruption.
-void wait(double duration) {
+void wait(
+    double duration, const std::function<void()>& step = [] {}) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   while (interruption() == 0 &&
          (duration == 0.0 || std::chrono::duration<double>(Clock::now() - begin).count() < duration))
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    step(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 
 constexpr const char* kHow = " (lib/docs/device.md, \"Settings of the system\")";
@@ -111,9 +114,20 @@ void serve(const DeviceOptions& options) {
   print(serving.counts(), "measurement to command");
 }
 
-// Counts ticks by the guard's reason.
+// Counts ticks by the guard's reason, and keeps what the device reported.
 class Tally {
  public:
+  void count(const Measurement& m) noexcept {
+    if (m.age > 0) return;
+    buttons_ |= m.buttons;
+    heat_ = std::max(heat_, m.heat);
+    if ((m.conditions & kForcesCut) != 0) ++cut_;
+    if ((m.conditions & kUncalibrated) != 0) ++uncalibrated_;
+    if (!m.gripper) return;
+    narrow_ = std::min(narrow_, *m.gripper);
+    wide_ = std::max(wide_, *m.gripper);
+  }
+
   void count(const TickFrame& frame) noexcept {
     ++reasons_[static_cast<std::size_t>(frame.reason)];
     if (frame.reason == GuardReason::none) force_ = std::max(force_, frame.output.normalForce);
@@ -124,14 +138,61 @@ class Tally {
     fmt::print("ticks in contact {}, largest force {:.2f} N; ticks by reason of the guard:", contact_, force_);
     for (std::size_t i = 0; i < reasons_.size(); ++i)
       if (reasons_[i] > 0) fmt::print(" {} {},", toString(static_cast<GuardReason>(i)), reasons_[i]);
+    fmt::print("\nbuttons pressed:{}", buttons_ == 0 ? " none" : "");
+    for (unsigned i = 0; i < 32; ++i)
+      if ((buttons_ >> i & 1U) != 0) fmt::print(" {}", i);
+    if (narrow_ <= wide_) fmt::print("; gripper {:.3f} to {:.3f} rad", narrow_, wide_);
+    if (heat_ > 0.0) fmt::print("; hottest motor {:.0f} % of its limit", 100.0 * heat_);
+    if (cut_ > 0) fmt::print("; forces cut by the device in {} ticks", cut_);
+    if (uncalibrated_ > 0) fmt::print("; not calibrated in {} ticks", uncalibrated_);
     fmt::print("\n");
   }
 
  private:
   std::array<std::uint64_t, kGuardReasons> reasons_{};
-  std::uint64_t contact_ = 0;
-  double force_ = 0.0;
+  std::uint64_t contact_ = 0, cut_ = 0, uncalibrated_ = 0;
+  double force_ = 0.0, heat_ = 0.0, narrow_ = HUGE_VAL, wide_ = -HUGE_VAL;
+  std::uint32_t buttons_ = 0;
 };
+
+// Count the lines of the standard input. The thread ends with the input or the program.
+std::shared_ptr<std::atomic<int>> countLines() {
+  auto lines = std::make_shared<std::atomic<int>>(0);
+  std::thread([lines] {
+    for (std::string line; std::getline(std::cin, line);) ++*lines;
+  }).detach();
+  return lines;
+}
+
+// Watch a session until the end: print what happens to the device. Enter continues after a fault of the guard.
+void watch(Session& session, const std::string& url, double duration) {
+  const auto lines = countLines();
+  std::uint32_t conditions = 0;
+  int taken = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto say = [&](const std::string& what) {
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
+    fmt::print("{:.2f} s: {}: {}\n", time.count(), url, what);
+    std::fflush(stdout);
+  };
+  const auto step = [&] {
+    const Snapshot now = session.snapshot();
+    for (SessionEvent event; session.nextEvent(event);) {
+      if (event.kind == EventKind::guardStop)
+        say(std::string("stopped by the guard: ") + toString(event.reason) + "; Enter continues");
+      if (event.kind == EventKind::deviceLost) say("lost; waiting for it");
+      if (event.kind == EventKind::deviceBack) say("back; Enter continues");
+    }
+    for (const DeviceCondition each : {kForcesCut, kUncalibrated})
+      if (((now.tick.measurement.conditions ^ conditions) & each) != 0)
+        say(std::string(toString(each)) + ((conditions & each) != 0 ? ": no longer" : ""));
+    conditions = now.tick.measurement.conditions;
+    if (taken == lines->load()) return;
+    taken = lines->load();
+    session.reset();
+  };
+  wait(duration, step);
+}
 
 void connect(const DeviceOptions& options) {
   SessionDef def;
@@ -144,6 +205,7 @@ void connect(const DeviceOptions& options) {
   Tally tally;
   bool hasTicked = false;
   def.beforeTick = [&](TickAccess& access) {
+    tally.count(access.measurement());
     if (hasTicked) tally.count(access.frame());
     hasTicked = true;
   };
@@ -162,10 +224,12 @@ void connect(const DeviceOptions& options) {
   else
     session.startOpened();
   const HapticLoop& loop = *session.loop();
-  fmt::print("{} at {}: {}, memory {}\n", session.mechanism().name(), options.connect, options.renderer,
+  const Delay& delay = session.opened().delay;
+  fmt::print("{} at {}: {}, delay {}{} ticks, memory {}\n", session.mechanism().name(), options.connect,
+             options.renderer, delay.low, delay.high > delay.low ? fmt::format("..{}", delay.high) : std::string(),
              loop.memoryLocked() ? "locked" : "not locked: the system refused" + std::string(kHow));
   std::fflush(stdout);
-  wait(options.duration == 0.0 ? 10.0 : options.duration);
+  watch(session, options.connect, options.duration == 0.0 ? 10.0 : options.duration);
   const GuardReason fault = session.snapshot().fault;
   print(loop.timing());
   print("age of the command", loop.age());

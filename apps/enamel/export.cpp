@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iterator>
 #include <memory>
+#include <optional>
 
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
@@ -32,7 +33,7 @@ std::string titleOf(const Mechanism& device) {
       line += fmt::format(",{}{} [{}]", name, i + 1, axes && i < 3 ? ofSlide : ofTurn);
   return line +
          ",wall force [N],enabled,saturated,reset,mode,status,guard,state,x [m],y [m],z [m],alpha [rad],beta [rad],"
-         "gamma [rad]\n";
+         "gamma [rad],buttons,gripper [rad],heat,conditions\n";
 }
 
 void run(const ExportOptions& options) {
@@ -77,6 +78,10 @@ void run(const ExportOptions& options) {
       const bool isPose = device->track(t.measurement.q, t.measurement.rates, false, k) == Status::ok;
       list(k.pose.position.head(isPose ? 3 : 0), 3);
       list(eulerFromRotation(k.pose.rotation).head(isPose ? 3 : 0), 3);
+      const std::optional<double>& gripper = t.measurement.gripper;
+      fmt::format_to(std::back_inserter(line), ",{},{},{},{}", t.measurement.buttons,
+                     gripper ? fmt::format("{}", *gripper) : std::string(), t.measurement.heat,
+                     t.measurement.conditions);
       file.write(line + "\n");
       ++ticks;
     }

@@ -6,13 +6,15 @@ namespace enamel::viewer {
 
 LiveDevice::LiveDevice(SessionDef def, RendererSlot slot)
     : def_(std::move(def)), scene_(loadScene(def_.scene)), cache_(makeToolCache(scene_.scene, scene_.tool)) {
-  if (scene_.bur) throw Error(def_.scene + ": a scene with a bur needs the simulated device (--device FILE)");
   bool hasTicked = false;
   def_.beforeTick = [this, hasTicked](TickAccess& access) mutable {
+    if (const bool isPressed = (access.measurement().buttons & 1U) != 0; isPressed != isPressed_)
+      access.spin(isPressed_ = isPressed);
     if (hasTicked) look(access.frame());
     hasTicked = true;
   };
   session_ = std::make_unique<Session>(def_);
+  for (const Obstacle& obstacle : scene_.scene.obstacles()) obstacles_.push_back(session_->find(obstacle.name));
   parameters_ = parseDevice(session_->opened().text, session_->opened().file);
   largest_ = session_->mechanism().limits().effort;
   for (double& limit : largest_)
@@ -34,25 +36,20 @@ const Frame& LiveDevice::frame() noexcept {
 
 // Describe a tick as VirtualLoop does, with the pose that the device measured.
 void LiveDevice::look(const TickFrame& tick) noexcept {
-  const Kinematics& k = tick.kinematics;
   TickRecord& r = frame_.record;
   ++r.tick;
   r.time = tick.time;
-  r.pose = k.pose;
-  r.twist = k.twist;
-  r.requested = tick.output.torque;
-  r.command = r.torque = tick.command;
-  r.rendered = wrenchOf(k, r.torque - k.gravity);
-  r.nearest = nearestContact(scene_.scene, scene_.tool, k.pose, &cache_);
-  r.gapRate = r.nearest.normal.dot(contactVelocity(k, r.nearest));
-  r.normalForce = tick.reason == GuardReason::none ? tick.output.normalForce
-                                                   : r.nearest.normal.dot(wrenchOf(k, r.command - k.gravity).head<3>());
-  r.mode = tick.output.mode;
-  r.saturated = tick.output.saturated;
-  r.guard = tick.reason;
+  r.torque = tick.command;
+  describe(tick, tick.kinematics, scene_.scene, scene_.tool, &cache_, r);
   ++frame_.guardTicks[static_cast<std::size_t>(r.guard)];
   frame_.contacts = tick.contacts;
-  frame_.hand.target = frame_.hand.position = k.pose.position;
+  if (const Drill* const drill = session_->haptics().drill(); drill != nullptr) {
+    frame_.drilled.spins = drill->spins();
+    frame_.drilled.feed = drill->feed();
+    for (std::size_t i = 0; tick.age == 0 && i < drill->removed().size(); ++i)
+      frame_.drilled.removed[i] += drill->removed()[i];
+  }
+  frame_.hand.target = frame_.hand.position = r.pose.position;
   frame_.conditions = conditions_.add(r, largest_);
   frame_.readout = readouts_.add(r);
   frame_.conditions.edge = false;  // the stops of the simulated device

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "enamel/runtime/triple_buffer.hpp"
 #include "enamel/session/session.hpp"
@@ -13,7 +14,7 @@ namespace enamel::viewer {
 class LiveDevice {
  public:
   /// Connect the device of `def`, and start its loop. `def` must have a device and a scene; beforeTick is overwritten.
-  /// `slot` is shown as the renderer. Throws Error as Session and its startOpened(), and for a scene with a bur.
+  /// `slot` is shown as the renderer. Throws Error as Session and its startOpened().
   LiveDevice(SessionDef def, RendererSlot slot);
   LiveDevice(const LiveDevice&) = delete;
   LiveDevice& operator=(const LiveDevice&) = delete;
@@ -31,6 +32,18 @@ class LiveDevice {
   const Frame& frame() noexcept;
   bool nextSample(Sample& sample) noexcept { return samples_.pop(sample); }
 
+  /// Record every tick, as Session::record(), and end the recording.
+  void record(const std::string& path) { session_->record(path); }
+  RecordingResult stopRecording() { return session_->stopRecording(); }
+
+  /// Let the bur of the scene spin. The first button of the device does the same while it is pressed.
+  void spin(bool on) { session_->spin(on); }
+
+  /// Take a changed brick of an obstacle of scene(), as Session::takeChange().
+  bool takeChange(std::size_t obstacle, BrickChange& change) {
+    return session_->takeChange(obstacles_[obstacle], change);
+  }
+
   /// Continue after a fault of the guard.
   void reset() { session_->reset(); }
 
@@ -39,10 +52,12 @@ class LiveDevice {
 
   SessionDef def_;
   SceneFile scene_;  // a copy for the nearest contact and the picture
+  std::vector<ObstacleId> obstacles_;
   ToolCache cache_;
   DeviceParameters parameters_;
   JointVector largest_;  // of each motor, N m or N; 1 without a motor, whose torque is 0
   // Of the loop's thread:
+  bool isPressed_ = false;  // the first button
   Frame frame_;
   ConditionWatch conditions_;
   ReadoutFilter readouts_;

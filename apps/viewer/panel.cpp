@@ -54,6 +54,14 @@ void drawLiveDevice(const OverlayInput& input, OverlayState& state, float s, flo
   remark(format("Renderer %s on %s.", input.live->renderer().c_str(), input.device.name.c_str()));
   remark(now.enabled ? "The device is enabled." : "The device is not enabled: no forces.",
          now.enabled ? kMuted : kWrong);
+  const Measurement& m = now.tick.measurement;
+  if (m.failed) remark("The device is lost. The viewer waits for it.", kWrong);
+  for (const DeviceCondition each : {kForcesCut, kUncalibrated})
+    if ((m.conditions & each) != 0) remark(std::string(toString(each)) + ".", kWrong);
+  std::string reported = format("Buttons: 0x%x.", m.buttons);
+  if (m.gripper) reported += format(" Gripper: %.2f rad.", *m.gripper);
+  if (m.heat > 0.0) reported += format(" Hottest motor: %.0f %% of its limit.", 100.0 * m.heat);
+  remark(reported);
   if (now.fault != GuardReason::none) remark("Stopped by the guard: " + guardText(now.fault) + ".", kWrong);
   actionButtons(state, {{"continue", false, Action::reset, "Continue after a fault of the guard (Backspace)."}}, s,
                 whole);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <utility>
 
 #include "enamel/core/file.hpp"
@@ -92,6 +93,8 @@ void Report::write(const std::string& path, double seconds, Viewer& viewer, cons
   json["first_frame_s"] = firstFrame_;
   json["touring"] = viewer.isTouring();
   json["contact"] = viewer.isInContact();
+  const RemovedVolume& removed = viewer.frame().drilled.removed;
+  json["removed [m^3]"] = std::accumulate(removed.begin(), removed.end(), 0.0);
   json["paused"] = viewer.frame().paused;
   json["open"] = nlohmann::ordered_json::array();
   const OverlayState& overlay = viewer.overlay();

@@ -249,7 +249,7 @@ void Viewer::takeRun() {
 void Viewer::takeSolids() {
   for (std::size_t i = 0; i < solids_.size(); ++i) {
     if (!solids_[i].uncut) continue;
-    for (BrickChange change; drilledSolids_->takeChange(i, change);) {
+    for (BrickChange change; live_ ? live_->takeChange(i, change) : drilledSolids_->takeChange(i, change);) {
       solids_[i].samples[static_cast<std::size_t>(change.brick)] = change.samples;
       left_.view->change(i, change.brick);
     }
@@ -291,6 +291,7 @@ void Viewer::takeDevice() {
   if (fault != fault_ && fault != GuardReason::none)
     notify("Stopped by the guard: " + guardText(fault) + ". Backspace continues.");
   fault_ = fault;
+  takeSolids();
 }
 
 // Perform the requests of the overlay.
@@ -411,20 +412,19 @@ OverlayInput Viewer::overlayInput() const {
     const std::optional<Pose>& ghost = pane.shown.ghost;
     return ToolInput{pane.frame, ghost ? std::optional<Vec3>(ghost->position) : std::nullopt};
   };
-  OverlayInput input{
-      toolOf(left_),
-      std::nullopt,
-      player_.get(),
-      live_.get(),
-      {plant_->name(), torques_, limit_, device_.plugin.get()},
-      {scene_.name, scenes_.names(), scenes_.index(), scene_.tool.parts[0].radius, plane_.has_value()},
-      std::nullopt,
-      trail_,
-      comparison_,
-      camera_.camera(),
-      camera_.view(),
-      timing_,
-      {simulated_, motion_.tourTime(now_), recording_.recorder ? simulated_ - recording_.begin : -1.0, clip_}};
+  OverlayInput input{toolOf(left_),
+                     std::nullopt,
+                     player_.get(),
+                     live_.get(),
+                     {plant_->name(), torques_, limit_, device_.plugin.get()},
+                     {scene_.name, scenes_.names(), scenes_.index(), scene_.tool.parts[0].radius, plane_.has_value()},
+                     std::nullopt,
+                     trail_,
+                     comparison_,
+                     camera_.camera(),
+                     camera_.view(),
+                     timing_,
+                     {simulated_, motion_.tourTime(now_), records() ? simulated_ - recording_.begin : -1.0, clip_}};
   if (split_) input.right.emplace(toolOf(right_));
   if (const auto* layers = layersOf(solids_); !player_ && scene_.bur && layers != nullptr)
     input.bur.emplace(BurInput{*scene_.bur, *layers, burDepth(scene_, solids_, left_.frame.record.pose)});

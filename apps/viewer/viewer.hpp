@@ -98,11 +98,11 @@ class Viewer final : public InputTarget {
     RendererSlot right;             // of the right tool in the split screen
   };
 
-  // A recording of one experiment; it ends with the experiment.
+  // A recording of one experiment, with which it ends, or of a connected device.
   struct Recording {
     std::shared_ptr<Recorder> recorder;  // recorder of the experiment, or nullptr
-    std::string path;
-    double begin = 0.0;  // in time of simulated_, s
+    std::string path;                    // empty: no recording runs
+    double begin = 0.0;                  // in time of simulated_, s
   };
 
   // viewer_actions.cpp
@@ -126,6 +126,8 @@ class Viewer final : public InputTarget {
   void closeTop();
   void pressWith(double newtons);
   void toggleRecording();
+  void recordDevice();
+  bool records() const { return !recording_.path.empty(); }
   bool actOnScan(Action action);
   bool canOpen(const std::string& path);
 

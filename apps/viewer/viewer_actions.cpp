@@ -55,6 +55,7 @@ void Viewer::sendHand(RunnerCommand::Kind kind, const Vec3& target) {
 }
 
 void Viewer::act(Action action) {
+  if (live_ && action == Action::record) return recordDevice();
   if (isRefused(actionRows()[static_cast<std::size_t>(action)].source)) return;
   if (player_ && actOnRecording(action)) return;
   if (live_ && action == Action::reset) return live_->reset();
@@ -267,7 +268,7 @@ void Viewer::setSlowdown(int factor) {
 
 void Viewer::undo() {
   if (left_.frame.drilled.strokes == 0) return notify("No stroke of a bur to undo.");
-  if (recording_.recorder) return notify("Undo is not possible during a recording: Ctrl+R ends it.");
+  if (records()) return notify("Undo is not possible during a recording: Ctrl+R ends it.");
   send(RunnerCommand::Kind::undo);
 }
 
@@ -291,7 +292,7 @@ void Viewer::resetAll() {
 // state, which the replay needs. It ends with its experiment.
 void Viewer::toggleRecording() {
   std::string path;
-  if (!recording_.recorder) {
+  if (!records()) {
     if (split_) return notify("The split screen cannot be recorded: V shows one tool.");
     const RemovedVolume& removed = left_.frame.drilled.removed;
     if (scene_.bur && std::any_of(removed.begin(), removed.end(), [](double volume) { return volume > 0.0; }))
@@ -301,10 +302,22 @@ void Viewer::toggleRecording() {
   rebuild(left_.frame.record.pose, left_.frame.hand, true, path);
 }
 
+// Start or end a recording of a connected device.
+void Viewer::recordDevice() {
+  if (records()) return notify(endRecording());
+  try {
+    const std::string path = freePath(folder_, "enamel", {".rec"}) + ".rec";
+    live_->record(path);
+    recording_ = {nullptr, path, simulated_};
+  } catch (const Error& error) {
+    notify(error.what());
+  }
+}
+
 std::string Viewer::endRecording() {
-  if (!recording_.recorder) return {};
-  const RecordingResult result = std::exchange(recording_.recorder, nullptr)->close();
-  std::string text = recording_.path + ": " + std::to_string(result.ticks) + " ticks";
+  if (!records()) return {};
+  const RecordingResult result = live_ ? live_->stopRecording() : std::exchange(recording_.recorder, nullptr)->close();
+  std::string text = std::exchange(recording_.path, {}) + ": " + std::to_string(result.ticks) + " ticks";
   if (result.lost > 0) text += ", " + std::to_string(result.lost) + " lost";
   if (!result.problem.empty()) text += "; " + result.problem;
   return text + ". --play shows it.";
@@ -337,12 +350,13 @@ void Viewer::pressWith(double newtons) {
 }
 
 void Viewer::spin(bool on) {
-  if (isRefused(Source::live)) return;
+  if (!live_ && isRefused(Source::live)) return;
   if (!scene_.bur) {
     if (on) notify("The tool of this scene is not a bur: it cannot spin (scene drill has one).");
     return;
   }
   spins_ = on;
+  if (live_) return live_->spin(on);
   send(RunnerCommand::Kind::spin, on ? 1 : 0);
 }
 

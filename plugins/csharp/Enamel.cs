@@ -17,6 +17,7 @@ namespace Enamel
     public enum EnamelMode { ENAMEL_FREE = 0, ENAMEL_CONTACT = 1, ENAMEL_FAULT = 2 }
     public enum EnamelAnswer { ENAMEL_TORQUE = 0, ENAMEL_WRENCH = 1 }
     public enum EnamelFeature { ENAMEL_FACE = 0, ENAMEL_EDGE = 1, ENAMEL_VERTEX = 2 }
+    public enum EnamelCondition { ENAMEL_FORCES_CUT = 1, ENAMEL_UNCALIBRATED = 2 }
     public enum EnamelFailure { ENAMEL_FAILED = 100, ENAMEL_NULL = 101, ENAMEL_SIZE = 102, ENAMEL_NOTHING = 103, ENAMEL_STOPPED = 104 }
     public enum EnamelShape { ENAMEL_HALF_SPACE = 0, ENAMEL_BOX = 1, ENAMEL_SPHERE = 2, ENAMEL_CAPSULE = 3, ENAMEL_MESH = 4, ENAMEL_SOLID = 5 }
     public enum EnamelEventKind { ENAMEL_CONTACT_BEGIN = 0, ENAMEL_CONTACT_END = 1, ENAMEL_GUARD_STOP = 2, ENAMEL_CUT = 3, ENAMEL_MISSED = 4, ENAMEL_DEVICE_LOST = 5, ENAMEL_DEVICE_BACK = 6, ENAMEL_RECORDING_END = 7, ENAMEL_UNUSUAL_SIZE = 8 }
@@ -68,12 +69,13 @@ namespace Enamel
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] rates;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] applied;
         public double gripper;
+        public double heat;
         public int applied_known;
         public int has_gripper;
         public int enabled;
         public int failed;
         public uint buttons;
-        public uint reserved;
+        public uint conditions;
     }
 
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
@@ -88,6 +90,9 @@ namespace Enamel
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate int EnamelDevice_actuate(IntPtr user, IntPtr effort, int joints);
 
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    public delegate int EnamelDevice_grip(IntPtr user, double force);
+
     [StructLayout(LayoutKind.Sequential)]
     public struct EnamelDevice
     {
@@ -98,6 +103,7 @@ namespace Enamel
         [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_close close;
         [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_measure measure;
         [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_actuate actuate;
+        [MarshalAs(UnmanagedType.FunctionPtr)] public EnamelDevice_grip grip;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -273,6 +279,7 @@ namespace Enamel
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] q;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 7)] public double[] command;
         public double gripper;
+        public double heat;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public double[] removed;
         public ulong missed;
         public ulong held;
@@ -288,6 +295,7 @@ namespace Enamel
         public int clutched;
         public int spins;
         public uint buttons;
+        public uint conditions;
         public int contact_count;
         public int omitted_contacts;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public EnamelContact[] contacts;
@@ -401,6 +409,9 @@ namespace Enamel
         public static extern int enamel_set_effect(IntPtr session, double[] wrench);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_set_gripper(IntPtr session, double force);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_spin(IntPtr session, int on);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
@@ -432,6 +443,9 @@ namespace Enamel
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_tick_effect(IntPtr access, double[] wrench);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_tick_gripper(IntPtr access, double force);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_virtual_create(IntPtr session, out IntPtr device);

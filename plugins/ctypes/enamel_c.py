@@ -37,6 +37,9 @@ ENAMEL_FACE = 0
 ENAMEL_EDGE = 1
 ENAMEL_VERTEX = 2
 
+ENAMEL_FORCES_CUT = 1
+ENAMEL_UNCALIBRATED = 2
+
 ENAMEL_FAILED = 100
 ENAMEL_NULL = 101
 ENAMEL_SIZE = 102
@@ -197,12 +200,13 @@ class EnamelMeasurement(Structure):
         ("rates", (c_double * 7)),
         ("applied", (c_double * 7)),
         ("gripper", c_double),
+        ("heat", c_double),
         ("applied_known", c_int32),
         ("has_gripper", c_int32),
         ("enabled", c_int32),
         ("failed", c_int32),
         ("buttons", c_uint32),
-        ("reserved", c_uint32),
+        ("conditions", c_uint32),
     ]
 
 
@@ -215,6 +219,7 @@ class EnamelDevice(Structure):
         ("close", CFUNCTYPE(None, c_void_p)),
         ("measure", CFUNCTYPE(c_int32, c_void_p, POINTER(EnamelMeasurement))),
         ("actuate", CFUNCTYPE(c_int32, c_void_p, POINTER(c_double), c_int32)),
+        ("grip", CFUNCTYPE(c_int32, c_void_p, c_double)),
     ]
 
 
@@ -400,6 +405,7 @@ class EnamelSnapshot(Structure):
         ("q", (c_double * 7)),
         ("command", (c_double * 7)),
         ("gripper", c_double),
+        ("heat", c_double),
         ("removed", (c_double * 8)),
         ("missed", c_uint64),
         ("held", c_uint64),
@@ -415,6 +421,7 @@ class EnamelSnapshot(Structure):
         ("clutched", c_int32),
         ("spins", c_int32),
         ("buttons", c_uint32),
+        ("conditions", c_uint32),
         ("contact_count", c_int32),
         ("omitted_contacts", c_int32),
         ("contacts", (EnamelContact * 8)),
@@ -470,6 +477,7 @@ _FUNCTIONS = {
     "enamel_set_renderer": (c_int32, [c_void_p, c_char_p, POINTER(EnamelParameter), c_size_t]),
     "enamel_set_own_renderer": (c_int32, [c_void_p, POINTER(EnamelPlugin), POINTER(EnamelParameter), c_size_t]),
     "enamel_set_effect": (c_int32, [c_void_p, POINTER(c_double)]),
+    "enamel_set_gripper": (c_int32, [c_void_p, c_double]),
     "enamel_spin": (c_int32, [c_void_p, c_int32]),
     "enamel_clutch": (c_int32, [c_void_p, c_int32]),
     "enamel_enable": (c_int32, [c_void_p, c_int32]),
@@ -481,6 +489,7 @@ _FUNCTIONS = {
     "enamel_tick_activate": (c_int32, [c_void_p, EnamelObstacle, c_int32]),
     "enamel_tick_spin": (c_int32, [c_void_p, c_int32]),
     "enamel_tick_effect": (c_int32, [c_void_p, POINTER(c_double)]),
+    "enamel_tick_gripper": (c_int32, [c_void_p, c_double]),
     "enamel_virtual_create": (c_int32, [c_void_p, POINTER(c_void_p)]),
     "enamel_virtual_destroy": (None, [c_void_p]),
     "enamel_virtual_measure": (c_int32, [c_void_p, POINTER(EnamelMeasurement)]),

@@ -17,9 +17,11 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kStatusTicks = 20;       // the status is read once in so many samples
-constexpr int kTimeGuard = 1;          // result: called too early, nothing was read
-constexpr int kPower = 0, kForce = 5;  // in the status
+constexpr int kStatusTicks = 20;                                        // the status is read once in so many samples
+constexpr int kTimeGuard = 1;                                           // result: called too early, nothing was read
+constexpr int kPower = 0, kReset = 3, kForce = 5, kForceOffCause = 14;  // in the status
+constexpr int kOffByButton = 1, kOffByProgram = 4, kOffByReleasedGrip = 6;  // causes that are not the device itself
+constexpr double kLargestGrip = 8.0;                                        // N, of the gripper
 
 const EnamelParameter kOptions[] = {
     {"library", "auto", "file of the vendor's library; auto: libdhd.so.3 or libdhd.so where the system finds it"},
@@ -87,26 +89,13 @@ Vector3d momentOf(const Vector3d& turn, const Vector3d& effort) noexcept {
 
 class Device {
  public:
-  Device(const std::string& file, int index) : sdk_(file) {
-    const int count = sdk_.deviceCount();
-    if (index >= count)
-      throw std::runtime_error("device " + std::to_string(index) +
-                               " is missing: " + std::to_string(std::max(count, 0)) + " connected");
-    if (const int opened = sdk_.openId(static_cast<char>(index)); opened >= 0)
-      id_ = static_cast<char>(opened);
-    else
-      throw std::runtime_error("device " + std::to_string(index) + " does not open: " + sdk_.lastError());
+  Device(const std::string& file, int index) : sdk_(file), index_(index) {
+    connect();
     hasWrist_ = sdk_.hasWrist(id_);
     isActive_ = hasWrist_ && sdk_.hasActiveWrist(id_);
     hasGripper_ = sdk_.hasGripper(id_);
-    std::array<int, 64> status{};  // the SDK writes up to 17 numbers, depending on its version
-    if (sdk_.status(status.data(), id_) < 0 || status[kPower] == 0) {
-      const std::string reason = "the " + name() + " has no power";
-      sdk_.close(id_);
-      throw std::runtime_error(reason);
-    }
   }
-  ~Device() { sdk_.close(id_); }
+  ~Device() { disconnect(); }
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
@@ -115,16 +104,25 @@ class Device {
   const char* deviceFile() const noexcept { return isActive_ ? kSigma7 : hasWrist_ ? kOmega6 : kOmega3; }
 
   void open() {
+    if (isLost_) {
+      disconnect();  // its number is no longer valid
+      connect();
+      if (sdk_.hasWrist(id_) != hasWrist_ || (hasWrist_ && sdk_.hasActiveWrist(id_) != isActive_))
+        throw std::runtime_error("another device is connected now: the " + name());
+      isLost_ = false;
+    }
     if (sdk_.setWrench(0, 0, 0, 0, 0, 0, 0, id_) < 0 || sdk_.enableForce(1, id_) < 0)
       throw std::runtime_error("the " + name() + " does not switch its forces on: " + sdk_.lastError());
     isOpen_ = true;
     samples_ = 0;
+    grip_ = 0.0;
     rates_.reset();
   }
   void close() noexcept {
+    isOpen_ = false;
+    if (id_ < 0) return;
     (void)sdk_.setWrench(0, 0, 0, 0, 0, 0, 0, id_);
     (void)sdk_.enableForce(0, id_);
-    isOpen_ = false;
   }
 
   std::int32_t measure(EnamelMeasurement& m) noexcept {
@@ -132,7 +130,7 @@ class Device {
     Vector3d position;
     double rotation[3][3];
     const int result = sdk_.pose(&position[0], &position[1], &position[2], rotation, id_);
-    if (result < 0) return ENAMEL_INACTIVE;
+    if (result < 0) return lost();
     const double time = driverClock();
     if (result == kTimeGuard || !(time > time_)) return ENAMEL_STALE;
     std::memset(&m, 0, sizeof m);
@@ -148,11 +146,16 @@ class Device {
     rates_.add(m, joints());
     if (samples_++ % kStatusTicks == 0) {
       std::array<int, 64> status{};
-      if (sdk_.status(status.data(), id_) < 0) return ENAMEL_INACTIVE;
-      isEnabled_ = status[kForce] != 0;  // the force button, or the device has cut its forces by itself
+      if (sdk_.status(status.data(), id_) < 0) return lost();
+      isEnabled_ = status[kForce] != 0;
+      const int cause = status[kForceOffCause];
+      const bool isOffByUser = cause == kOffByButton || cause == kOffByProgram || cause == kOffByReleasedGrip;
+      conditions_ = (status[kReset] != 0 ? std::uint32_t{ENAMEL_UNCALIBRATED} : 0U) |
+                    (!isEnabled_ && !isOffByUser ? std::uint32_t{ENAMEL_FORCES_CUT} : 0U);
     }
     m.enabled = isEnabled_ ? 1 : 0;
     m.buttons = sdk_.buttonMask(id_);
+    m.conditions = conditions_;
     if (hasGripper_) m.has_gripper = sdk_.gripperAngle(&m.gripper, id_) >= 0 ? 1 : 0;
     return ENAMEL_OK;
   }
@@ -166,15 +169,48 @@ class Device {
     if (isActive_)
       moment = momentOf(turn_, Eigen::Map<const Vector3d>(effort + 3).cwiseMax(-largestMoment).cwiseMin(largestMoment));
     const Vector3d f = kAxes.transpose() * force, t = kAxes.transpose() * moment;
-    return sdk_.setWrench(f[0], f[1], f[2], t[0], t[1], t[2], 0.0, id_) < 0 ? ENAMEL_INACTIVE : ENAMEL_OK;
+    return sdk_.setWrench(f[0], f[1], f[2], t[0], t[1], t[2], grip_, id_) < 0 ? ENAMEL_INACTIVE : ENAMEL_OK;
+  }
+
+  std::int32_t grip(double force) noexcept {
+    if (!std::isfinite(force)) return ENAMEL_NOT_FINITE;
+    grip_ = hasGripper_ ? std::clamp(force, -kLargestGrip, kLargestGrip) : 0.0;
+    return ENAMEL_OK;
   }
 
  private:
+  void connect() {
+    const int count = sdk_.deviceCount();
+    if (index_ >= count)
+      throw std::runtime_error("device " + std::to_string(index_) +
+                               " is missing: " + std::to_string(std::max(count, 0)) + " connected");
+    const int opened = sdk_.openId(static_cast<char>(index_));
+    if (opened < 0)
+      throw std::runtime_error("device " + std::to_string(index_) + " does not open: " + sdk_.lastError());
+    id_ = static_cast<char>(opened);
+    std::array<int, 64> status{};  // the SDK writes up to 17 numbers, depending on its version
+    if (sdk_.status(status.data(), id_) >= 0 && status[kPower] != 0) return;
+    const std::string reason = "the " + name() + " has no power";
+    disconnect();
+    throw std::runtime_error(reason);
+  }
+  void disconnect() noexcept {
+    if (id_ >= 0) (void)sdk_.close(id_);
+    id_ = -1;
+  }
+  std::int32_t lost() noexcept {
+    isLost_ = true;
+    return ENAMEL_INACTIVE;
+  }
+
   Sdk sdk_;
+  int index_;
   char id_ = -1;
-  bool hasWrist_ = false, isActive_ = false, hasGripper_ = false, isOpen_ = false, isEnabled_ = true;
+  bool hasWrist_ = false, isActive_ = false, hasGripper_ = false, isOpen_ = false, isEnabled_ = true, isLost_ = false;
   std::uint64_t samples_ = 0;  // since open()
   double time_ = 0.0;          // of the last sample, s
+  double grip_ = 0.0;          // N
+  std::uint32_t conditions_ = 0;
   Vector3d turn_ = Vector3d::Zero();
   DriverRates rates_;
 };
@@ -203,7 +239,8 @@ std::int32_t connect(const char* address, const EnamelParameter* options, std::s
     connected->delay_low = 0;
     connected->delay_high = 1;  // estimated: the command goes over USB
     connected->has_own_clock = 0;
-    connected->device = deviceTable(device.release());
+    connected->device =
+        deviceTable(device.release(), [](void* user, double force) { return static_cast<Device*>(user)->grip(force); });
   });
 }
 

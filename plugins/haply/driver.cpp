@@ -115,6 +115,7 @@ class Inverse3 {
     m.time = time_ = time;
     m.enabled = 1;
     m.buttons = message.buttons;
+    m.conditions = device->isCalibrated ? 0U : std::uint32_t{ENAMEL_UNCALIBRATED};
     const Numbers& p = device->position;
     toWorld({p[0] - centre_[0], p[1] - centre_[1], p[2] - centre_[2]}, m.q);
     toWorld(device->velocity, m.rates);

@@ -25,6 +25,7 @@ constexpr unsigned kForce = 0x2700;                                 // HD_CURREN
 constexpr unsigned kModel = 0x2501, kSerial = 0x2504;               // HD_DEVICE_MODEL_TYPE, HD_DEVICE_SERIAL_NUMBER
 constexpr unsigned kUsableWorkspace = 0x2551;                       // its lowest and highest corner, mm
 constexpr unsigned kCalibrationStyle = 0x2555, kMaxForce = 0x2603;  // HD_NOMINAL_MAX_FORCE, N
+constexpr unsigned kMotorTemperature = 0x2605;                      // of each motor, 0 to 1
 constexpr unsigned kForceOutput = 0x4000;                           // HD_FORCE_OUTPUT
 constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;     // results of hdCheckCalibration()
 constexpr unsigned kInvalid = 0xFFFFFFFF;                           // HD_INVALID_HANDLE
@@ -33,6 +34,8 @@ constexpr unsigned short kHighest = 0xFFFF;                         // HD_MAX_SC
 constexpr unsigned kRate = 1000;                                    // of the scheduler, Hz
 constexpr int kSilent = 20;  // frames without a command, after which the force is zero: the vendor repeats the last
 constexpr int kCut = 100;    // frames without forces after the device refused one
+constexpr int kSlow = 100;   // frames between two readings of temperatures and calibration
+constexpr std::size_t kMotors = 8;                       // room for the temperatures; the devices have three or six
 constexpr double kTouchForce = 3.3, kTouchXForce = 7.9;  // N, as in the device files
 constexpr const char* kName = "Default Device";
 
@@ -113,7 +116,8 @@ struct State {
   double position[3] = {};    // mm
   double transform[16] = {};  // column by column: axes of the stylus and its position
   int buttons = 0;
-  bool isCut = false, isLost = false;
+  double heat = 0.0;  // share of the limit
+  bool isCut = false, isLost = false, isCalibrated = true;
 };
 
 class Device {
@@ -140,6 +144,7 @@ class Device {
     (void)state_.refresh();  // a state from before
     rates_.reset();
     cut_ = silent_ = 0;
+    frames_ = 0;
     sdk_.enable(kForceOutput);
     sdk_.setRate(kRate);
     task_ = sdk_.schedule(
@@ -181,6 +186,9 @@ class Device {
     rates_.add(m, kJoints);
     m.enabled = s.isCut ? 0 : 1;
     m.buttons = static_cast<std::uint32_t>(s.buttons);
+    m.heat = s.heat;
+    m.conditions =
+        (s.isCut ? std::uint32_t{ENAMEL_FORCES_CUT} : 0U) | (s.isCalibrated ? 0U : std::uint32_t{ENAMEL_UNCALIBRATED});
     return ENAMEL_OK;
   }
 
@@ -245,6 +253,14 @@ class Device {
     sdk_.doubles(kPosition, s.position);
     sdk_.doubles(kTransform, s.transform);
     sdk_.integers(kButtons, &s.buttons);
+    if (frames_++ % kSlow == 0) {
+      std::array<double, kMotors> heat{};
+      sdk_.doubles(kMotorTemperature, heat.data());
+      heat_ = *std::max_element(heat.begin(), heat.end());
+      isCalibrated_ = sdk_.checkCalibration() == kCalibrated;
+    }
+    s.heat = heat_;
+    s.isCalibrated = isCalibrated_;
     const HdError e = sdk_.takeError();  // of this frame, and of the end of the frame before
     cut_ = isCut(e.code) ? kCut : std::max(cut_ - 1, 0);
     s.isCut = cut_ > 0;
@@ -265,7 +281,11 @@ class Device {
   double largest_ = 0.0;                // N
   double time_ = 0.0;                   // of the last sample, s
   DriverRates rates_;
-  int cut_ = 0, silent_ = 0;  // of the vendor's thread
+  // Of the vendor's thread:
+  int cut_ = 0, silent_ = 0;
+  std::uint64_t frames_ = 0;
+  double heat_ = 0.0;  // share of the limit
+  bool isCalibrated_ = true;
   TripleBuffer<State> state_;
   TripleBuffer<std::array<double, 3>> command_;
 };

@@ -1,11 +1,14 @@
 // Drivers in plugins: the loader, connections, lists, and a conformance suite that finds every mistake.
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <limits>
+#include <thread>
 
 #include "enamel/plugin/driver_conformance.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
+#include "support/eventually.hpp"
 
 namespace enamel::test_driver {
 
@@ -43,6 +46,17 @@ struct Point {
   double last = 0.0;
 };
 
+// A device that is lost, and how often open() fails until it is back.
+std::atomic<bool> isLost{false};
+std::atomic<int> failuresLeft{0}, opened{0}, busy{0}, overlaps{0};
+std::atomic<double> gripped{0.0};
+
+// Counts calls that overlap with another one.
+struct Call {
+  Call() { overlaps += busy++ > 0 ? 1 : 0; }
+  ~Call() { --busy; }
+};
+
 Mistake mistake = Mistake::none;
 int connections = 0;
 std::unique_ptr<int> litter;
@@ -50,6 +64,8 @@ std::unique_ptr<int> litter;
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 std::int32_t measure(void* user, EnamelMeasurement* m) {
+  const Call call;
+  if (isLost) return ENAMEL_INACTIVE;
   Point& point = *static_cast<Point*>(user);
   if (!point.isOpen && mistake != Mistake::opensItself && mistake != Mistake::staysOpen) return ENAMEL_INACTIVE;
   if (mistake == Mistake::never || !point.isNew) return ENAMEL_STALE;
@@ -67,6 +83,7 @@ std::int32_t measure(void* user, EnamelMeasurement* m) {
 }
 
 std::int32_t actuate(void* user, const double* effort, std::int32_t joints) {
+  const Call call;
   Point& point = *static_cast<Point*>(user);
   if (!point.isOpen && mistake != Mistake::opensItself) return ENAMEL_INACTIVE;
   if (joints != 3 && mistake != Mistake::anyJoints) return ENAMEL_OUT_OF_RANGE;
@@ -93,13 +110,21 @@ std::int32_t connect(const char* address, const EnamelParameter* options, std::s
   connected->device = {sizeof(EnamelDevice),
                        0u,
                        new Point,
-                       [](void* user, EnamelMessage) {
+                       [](void* user, EnamelMessage why) {
+                         const Call call;
+                         if (failuresLeft > 0 && failuresLeft-- > 0) return refuse(why, "still unplugged");
                          static_cast<Point*>(user)->isOpen = true;
+                         isLost = false;
+                         ++opened;
                          return std::int32_t{ENAMEL_OK};
                        },
                        [](void* user) { static_cast<Point*>(user)->isOpen = mistake == Mistake::staysOpen; },
                        measure,
-                       actuate};
+                       actuate,
+                       [](void*, double force) {
+                         gripped = force;
+                         return std::int32_t{ENAMEL_OK};
+                       }};
   return ENAMEL_OK;
 }
 
@@ -220,6 +245,46 @@ TEST_CASE("a device is connected with its file, delay and options, and disconnec
     mistake = Mistake::none;
     CHECK(connections == 0);
   }
+}
+
+TEST_CASE("a lost device of a driver is opened again in the background, and the tick does not call it meanwhile",
+          "[driver]") {
+  const EnamelDriver plain = table();
+  const DriverDevice connected = connectDriver(DriverLibrary::of(plain, "point"), "0", {});
+  HapticDevice& device = *connected.device;
+  Measurement sample;
+  CHECK(device.actuate({JointVector::Zero(3), 1.5}) == Status::inactive);
+  CHECK(gripped == 1.5);  // N
+  opened = overlaps = 0;
+  device.open();
+  REQUIRE(device.measure(sample) == Status::ok);
+  const double before = sample.time;
+  failuresLeft = 2;
+  isLost = true;
+  CHECK(device.measure(sample) == Status::inactive);
+  int refused = 0;
+  REQUIRE(test::eventually([&] {
+    refused += device.actuate({JointVector::Zero(3)}) == Status::inactive ? 1 : 0;
+    return device.measure(sample) == Status::ok;
+  }));
+  CHECK(refused > 0);
+  CHECK(sample.time > before);
+  CHECK(failuresLeft == 0);
+  CHECK(opened == 2);
+  CHECK(overlaps == 0);
+  device.close();
+  CHECK(device.measure(sample) == Status::inactive);
+  device.close();  // does nothing
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  CHECK(opened == 2);  // a closed device stays closed
+  // It ends while it is lost.
+  device.open();
+  isLost = true;
+  failuresLeft = 1000;
+  CHECK(device.measure(sample) == Status::inactive);
+  device.close();
+  failuresLeft = 0;
+  isLost = false;
 }
 
 TEST_CASE("a driver lists its devices, or gives its reason", "[driver]") {

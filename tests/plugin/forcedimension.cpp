@@ -18,7 +18,8 @@ const std::string kFolder = ENAMEL_PLUGINS, kLibrary = ENAMEL_DHD_STAND_IN;
 // An omega.3 at rest, without faults. Its forces have the axes of the SDK.
 struct StandIn : test::StandIn {
   StandIn() : test::StandIn(kLibrary, "dhd") {
-    for (const char* fault : {"unplugged", "early", "button", "turn-x", "turn-y", "turn-z", "place-z", "push"})
+    for (const char* fault :
+         {"unplugged", "early", "button", "reset", "off-cause", "turn-x", "turn-y", "turn-z", "place-z"})
       set(fault, 0.0);
     set("power", 1.0);
     set("count", 1.0);
@@ -82,6 +83,11 @@ TEST_CASE("positions and forces of each Force Dimension device have the axes of 
     (void)bench.tick();
     CHECK(std::abs(standIn.force(1)) <= 20.0);  // x of W is y of the SDK
     CHECK(bench.sample.gripper.has_value() == (model == 7.0));
+    for (const double force : {1.5, -1.5, 100.0}) {
+      bench.command.gripper = force;
+      (void)bench.tick();
+      CHECK(standIn.force(6) == (model == 7.0 ? std::min(force, 8.0) : 0.0));
+    }
   }
 }
 
@@ -127,16 +133,35 @@ TEST_CASE("faults of a Force Dimension device are missing samples, a disabled de
   CHECK(bench.tick() == Status::stale);
   standIn.set("early", 0.0);
   CHECK(bench.tick() == Status::ok);
-  standIn.set("forces", 0.0);  // the device cuts its forces by itself
-  REQUIRE(test::eventually([&] { return bench.tick() == Status::ok && !bench.sample.enabled; }));
+  CHECK(bench.sample.conditions == 0);
+  standIn.set("forces", 0.0);
+  standIn.set("off-cause", 1.0);  // the force button
+  REQUIRE(bench.soon([&] { return !bench.sample.enabled; }));
+  CHECK(bench.sample.conditions == 0);
+  standIn.set("off-cause", 2.0);  // the device cuts its forces by itself: too fast
+  REQUIRE(bench.soon([&] { return bench.sample.conditions == kForcesCut; }));
+  standIn.set("reset", 1.0);
+  REQUIRE(bench.soon([&] { return bench.sample.conditions == (kForcesCut | kUncalibrated); }));
   standIn.set("unplugged", 1.0);
   CHECK(bench.tick() == Status::inactive);
   CHECK(bench.opened.device->actuate(bench.command) == Status::inactive);
   bench.opened.device->close();
-  CHECK_THROWS_WITH(bench.opened.device->open(), ContainsSubstring("does not switch its forces on: stand-in"));
+  CHECK_THROWS_WITH(bench.opened.device->open(), ContainsSubstring("device 0 does not open: stand-in"));
   standIn.set("unplugged", 0.0);
   bench.opened.device->open();
   CHECK(bench.tick() == Status::ok);
+  standIn.set("unplugged", 1.0);
+  CHECK(bench.tick() == Status::inactive);
+  standIn.set("unplugged", 0.0);
+  CHECK(bench.soon([] { return true; }));  // without open()
+  standIn.set("model", 7.0);               // another device on the same cable
+  standIn.set("unplugged", 1.0);
+  CHECK(bench.tick() == Status::inactive);
+  standIn.set("unplugged", 0.0);
+  bench.opened.device->close();
+  CHECK_THROWS_WITH(bench.opened.device->open(), ContainsSubstring("another device is connected now: the sigma.7"));
+  standIn.set("model", 3.0);
+  bench.opened.device->open();
   CHECK(test::eventually([&] { return bench.tick() == Status::ok && bench.sample.enabled; }));
 }
 

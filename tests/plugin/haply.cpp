@@ -1,4 +1,7 @@
 // The driver of the Haply Inverse3 with a stand-in of its service: messages, axes, every fault, and a wall.
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include <thread>
 
 #include "enamel/core/error.hpp"
@@ -9,6 +12,7 @@
 #include "support/devices.hpp"
 #include "support/driver_bench.hpp"
 #include "support/haply_service.hpp"
+#include "support/process.hpp"
 
 namespace enamel::test_haply {
 
@@ -206,9 +210,12 @@ TEST_CASE("faults of the Haply service are missing samples or a lost device, and
     service.isClosing = true;
     REQUIRE(test::eventually([&] { return bench.tick() == Status::inactive; }));
     CHECK(bench.opened.device->actuate(bench.command) == Status::inactive);
-    bench.opened.device->close();
-    bench.opened.device->open();  // connects again
-    REQUIRE(bench.samplesAgain());
+    REQUIRE(bench.samplesAgain());  // the host opens it again
+  }
+  SECTION("the device loses its calibration") {
+    CHECK(bench.sample.conditions == 0);
+    service.isUncalibrated = true;
+    REQUIRE(bench.soon([&] { return bench.sample.conditions == kUncalibrated; }));
   }
 }
 
@@ -242,6 +249,33 @@ TEST_CASE("a session feels a wall with the Haply driver, and stops when the devi
   CHECK(session.snapshot().tick.command.effort.isZero(1e-12));
   CHECK(test::eventually(touches));
   session.stop();
+}
+
+TEST_CASE("the command says that a device is lost, waits for it, and continues after Enter", "[haply]") {
+  HaplyService service(kFile, 0.010, -0.010);
+  const test::TemporaryFolder folder;
+  const std::string input = folder / "input", log = folder / "log";
+  REQUIRE(mkfifo(input.c_str(), 0600) == 0);
+  const int keys = open(input.c_str(), O_RDWR);
+  REQUIRE(keys >= 0);
+  test::Process command("exec '" ENAMEL_TOOL "' device --connect '" + urlOf(service) +
+                        "' --duration 3600 --max-force 2 > '" + log + "' 2>&1 < '" + input + "'");
+  const auto says = [&](const char* text) { return test::readFile(log).find(text) != std::string::npos; };
+  const auto presses = [&] { return write(keys, "\n", 1) == 1; };
+  REQUIRE(test::eventually([&] { return presses() && service.force > 0.3; }));  // a late tick is a fault: Enter
+  service.isClosing = true;
+  REQUIRE(test::eventually([&] { return says("lost; waiting for it") && says("back; Enter continues"); }));
+  CHECK(says("stopped by the guard: the driver failed; Enter continues"));
+  for (int i = 0; i < 100; ++i) {
+    CHECK(service.force == 0.0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  REQUIRE(test::eventually([&] { return presses() && service.force > 0.3; }));
+  command.signal(SIGTERM);
+  (void)command.wait();
+  INFO(test::readFile(log));
+  CHECK(says("buttons pressed: 1"));
+  close(keys);
 }
 
 }  // namespace enamel::test_haply

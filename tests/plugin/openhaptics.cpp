@@ -18,8 +18,8 @@ const std::string kFolder = ENAMEL_PLUGINS, kLibrary = ENAMEL_HD_STAND_IN;
 // At rest, without faults.
 struct StandIn : test::StandIn {
   StandIn() : test::StandIn(kLibrary, "hd") {
-    for (const char* fault : {"touch-x", "absent", "max-force", "button", "unplugged", "fault", "warm", "uncalibrated",
-                              "stalled", "manual", "place-z", "push", "turn-x", "turn-y", "turn-z"})
+    for (const char* fault : {"touch-x", "absent", "max-force", "button", "unplugged", "fault", "warm", "heat",
+                              "uncalibrated", "stalled", "manual", "place-z", "turn-x", "turn-y", "turn-z"})
       set(fault, 0.0);
   }
 };
@@ -120,10 +120,16 @@ TEST_CASE("faults of a Touch are missing samples, a disabled device or a lost on
   StandIn standIn;
   Bench bench;
   REQUIRE(bench.soon([] { return true; }));
+  CHECK(bench.sample.conditions == 0);
   standIn.set("warm", 1.0);  // the device cuts its forces by itself
   REQUIRE(bench.soon([&] { return !bench.sample.enabled; }));
+  CHECK(bench.sample.conditions == kForcesCut);
   standIn.set("warm", 0.0);
   REQUIRE(bench.soon([&] { return bench.sample.enabled; }));
+  standIn.set("heat", 0.7);
+  standIn.set("uncalibrated", 2.0);
+  REQUIRE(bench.soon([&] { return bench.sample.heat == 0.7 && bench.sample.conditions == kUncalibrated; }));
+  standIn.set("uncalibrated", 0.0);
   standIn.set("stalled", 1.0);
   REQUIRE(test::eventually([&] { return bench.tick() == Status::stale; }));
   CHECK(bench.tick() == Status::stale);
@@ -137,6 +143,10 @@ TEST_CASE("faults of a Touch are missing samples, a disabled device or a lost on
   standIn.set("unplugged", 0.0);
   bench.opened.device->open();
   CHECK(bench.soon([&] { return bench.sample.enabled; }));
+  standIn.set("unplugged", 1.0);
+  REQUIRE(test::eventually([&] { return bench.tick() == Status::inactive; }));
+  standIn.set("unplugged", 0.0);
+  CHECK(bench.soon([&] { return bench.sample.enabled; }));  // without open()
 }
 
 TEST_CASE("a Touch is released when its host is silent, and when it is closed", "[openhaptics]") {

@@ -1,6 +1,7 @@
-// Every driver in simulated time: with the faults of its stand-in (30 minutes with ENAMEL_LONG=1, otherwise 20 s), and
-// pushes of position control and of the best spring. This program replaces the clock of C++: driver, stand-in and loop
-// see the time that the test advances.
+// Every driver in simulated time: with the faults of its stand-in (30 minutes with ENAMEL_LONG=1, otherwise 20 s), the
+// tasks of `enamel compare`, and the first trial with single mistakes. This program replaces the clock of C++: driver,
+// stand-in and loop see the time that the test advances.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <iostream>
@@ -8,16 +9,17 @@
 #include <random>
 #include <thread>
 
+#include "enamel/device/device_file.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/session/open_device.hpp"
+#include "enamel/sim/plant_maker.hpp"
+#include "enamel/study/comparison.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
-#include "support/driver_bench.hpp"
-#ifdef ENAMEL_HAPLY_SERVICE
-#include "support/haply_service.hpp"
-#endif
+#include "support/driver_rigs.hpp"
+#include "support/first_touch_trial.hpp"
 #include "support/run_length.hpp"
 
 namespace {
@@ -31,6 +33,7 @@ std::chrono::steady_clock::time_point std::chrono::steady_clock::now() noexcept 
 namespace enamel::test_drivers {
 
 using test::openAt;
+using test::Rig;
 
 namespace {
 
@@ -39,91 +42,51 @@ constexpr double kPeriod = 1e-3, kHandPeriod = 1.0,
 constexpr double kRampOut = 0.1;   // s, after which a fault must have removed every force
 constexpr double kRest = 0.3;      // s, from the end of a fault to the reset: nothing may come back before it
 
-// A stand-in as the test sees it.
-struct Rig {
-  std::string url;
-  double largest = 0.0;                                                  // force of the device, N
-  std::function<void()> period;                                          // one period of the stand-in has passed
-  std::function<double()> force;                                         // that the stand-in received, N
-  std::function<void(double)> place = {};                                // of the hand, m
-  std::function<void(HapticDevice&, Measurement&, Status&)> await = {};  // an answer that comes in real time
-  struct Fault {
-    std::string name;
-    std::function<void(bool)> set;
-    bool isDeaf = false;  // commands do not arrive, and the vendor keeps the last force
-  };
-  std::vector<Fault> faults = {};
-  std::function<void(double)> push = {};  // of the hand against W's z, N
-  std::function<double(bool)> path = {};  // lowest or mean z since restart, m
-  std::function<void()> restart = {};     // of the path
-};
-
 // The device of a driver: each measure() is a step of the simulated time.
 class SteppedDevice final : public HapticDevice {
  public:
-  SteppedDevice(HapticDevice& device, const Rig& rig, double step) : device_(device), rig_(rig), step_(step) {}
-  void open() override { device_.open(); }
-  void close() noexcept override { device_.close(); }
+  SteppedDevice(std::unique_ptr<HapticDevice> device, const Rig& rig, double step)
+      : device_(std::move(device)), rig_(rig), step_(step) {}
+  void open() override { device_->open(); }
+  void close() noexcept override { device_->close(); }
   [[nodiscard]] Status measure(Measurement& m) noexcept override {
     clock_ns += static_cast<std::int64_t>(1e9 * step_);
     steps_ += step_;
-    if (rig_.place) rig_.place(kHandWay * std::cos(2.0 * M_PI * steps_ / kHandPeriod));
     if ((passed_ += step_) > 0.999 * kPeriod) {
       passed_ = 0.0;
       rig_.period();
     }
-    Status status = device_.measure(m);
-    if (rig_.await) rig_.await(device_, m, status);
+    Status status = device_->measure(m);
+    if (rig_.await) rig_.await(*device_, m, status);
     return status;
   }
-  [[nodiscard]] Status actuate(const Command& command) noexcept override { return device_.actuate(command); }
+  [[nodiscard]] Status actuate(const Command& command) noexcept override { return device_->actuate(command); }
   double time() const noexcept { return steps_; }
 
  private:
-  HapticDevice& device_;
+  std::unique_ptr<HapticDevice> device_;
   const Rig& rig_;
   double step_, steps_ = 0.0, passed_ = 0.0;  // s
-};
-
-// Position control, or a spring, at a flat wall through a driver.
-struct DriverLoop {
-  OpenedDevice opened;
-  std::unique_ptr<Renderer> renderer;
-  Scene scene = flatWall();
-  Tool tool;
-  SteppedDevice device;
-  HapticTick haptics;
-  HapticLoopOptions options;
-
-  explicit DriverLoop(const Rig& rig, const ImpedanceOptions* spring = nullptr)
-      : opened(openAt(rig.url)),
-        renderer(rendererFor(opened, spring)),
-        device(*opened.device, rig, opened.poll > 0.0 ? opened.poll : kPeriod),
-        haptics(*opened.mechanism, scene, tool, *renderer, kPeriod) {
-    options.period = opened.poll;
-  }
-
- private:
-  static std::unique_ptr<Renderer> rendererFor(const OpenedDevice& opened, const ImpedanceOptions* spring) {
-    if (spring != nullptr) return std::make_unique<ImpedanceRenderer>(*spring);
-    return std::make_unique<PositionControlRenderer>(
-        positionControlFor(*opened.mechanism, kPeriod, opened.delay.low, opened.delay.high));
-  }
 };
 
 struct Result {
   std::map<std::string, int> faults;                     // begun
   std::array<int, kGuardReasons> latched{};              // faults of the guard
   std::uint64_t ticks = 0, inContact = 0, tooLarge = 0;  // tooLarge: forces above that of the device
-  std::uint64_t late = 0, early = 0;          // forces more than kRampOut after a fault; and after it, before a reset
-  std::string unexpected;                     // faults of the guard other than late and device
-  int restarts = 0, stretches = 0, felt = 0;  // free of faults for at least two periods of the hand; with contact
+  std::uint64_t late = 0, early = 0;        // forces more than kRampOut after a fault; and after it, before a reset
+  std::string unexpected;                   // faults of the guard other than late and device
+  int resets = 0, stretches = 0, felt = 0;  // free of faults for at least two periods of the hand; with contact
 };
 
 Result run(const Rig& rig, double duration) {
-  DriverLoop loop(rig);
-  SteppedDevice& device = loop.device;
-  HapticTick& haptics = loop.haptics;
+  OpenedDevice opened = openAt(rig.url);
+  const double largest = opened.mechanism->limits().effort.head<3>().norm();
+  SteppedDevice device(std::move(opened.device), rig, opened.poll > 0.0 ? opened.poll : kPeriod);
+  PositionControlRenderer control(positionControlFor(*opened.mechanism, kPeriod, opened.delay.low, opened.delay.high));
+  const Scene scene = flatWall();
+  HapticTick haptics(*opened.mechanism, scene, Tool(), control, kPeriod);
+  HapticLoopOptions options;
+  options.period = opened.poll;
   std::mt19937_64 random(test::seed());
   const auto between = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
@@ -133,60 +96,62 @@ Result run(const Rig& rig, double duration) {
   std::size_t begun = 0;
   double toggle = 3.0, latched = -1.0, ended = 0.0, free = 0.0;  // s: next change; times of events; -1: no fault
   std::uint64_t contactBefore = 0;
+  LoopBody body(device, haptics, options);
   while (device.time() < duration) {
-    LoopBody body(device, haptics, loop.options);
-    while (device.time() < duration) {
-      const double now = device.time();
-      if (now >= toggle) {
-        if (active == nullptr) {
-          active = &rig.faults[begun++ % rig.faults.size()];
-          active->set(true);
-          ++result.faults[active->name];
-          toggle = now + between(0.002, 0.4);
-          if (now - free > 2.0 * kHandPeriod) {
-            ++result.stretches;
-            if (result.inContact > contactBefore) ++result.felt;
-          }
-        } else {
-          active->set(false);
-          active = nullptr;
-          ended = now;
-          free = now + kRest;
-          contactBefore = result.inContact;
-          toggle = now + between(0.5, 5.0);
+    const double now = device.time();
+    rig.hold(kHandWay * std::cos(2.0 * M_PI * now / kHandPeriod) * Vec3::UnitZ(), 100.0, 5.0);
+    if (now >= toggle) {
+      if (active == nullptr) {
+        active = &rig.faults[begun++ % rig.faults.size()];
+        active->set(true);
+        ++result.faults[active->name];
+        toggle = now + between(0.002, 0.4);
+        if (now - free > 2.0 * kHandPeriod) {
+          ++result.stretches;
+          if (result.inContact > contactBefore) ++result.felt;
         }
+      } else {
+        active->set(false);
+        active = nullptr;
+        ended = now;
+        free = now + kRest;
+        contactBefore = result.inContact;
+        toggle = now + between(0.5, 5.0);
       }
-      const std::uint64_t before = body.tick().number;
-      (void)body.step();
-      const double force = rig.force();
-      if (!(force <= rig.largest * (1.0 + 1e-9))) ++result.tooLarge;
-      if (body.tick().number != before) {
-        ++result.ticks;
-        if (body.tick().mode == RenderMode::contact && body.tick().reason == GuardReason::none) ++result.inContact;
-      }
-      const GuardReason fault = haptics.guard().fault();
-      if (fault == GuardReason::none) continue;
-      if (latched < 0.0) {
-        latched = now;
-        ++result.latched[static_cast<std::size_t>(fault)];
-        if (fault != GuardReason::late && fault != GuardReason::device)
-          result.unexpected += std::string(toString(fault)) + " at " + std::to_string(now) + " s, " +
-                               (active != nullptr ? "during " + active->name
-                                                  : std::to_string(now - ended) + " s after a fault of the device") +
-                               "; ";
-      }
-      const bool isDeaf = active != nullptr && active->isDeaf;
-      // After such a fault, the force ends with the next frame.
-      const bool isHeard = !isDeaf && now > ended + 2.0 * kPeriod;
-      if (now > latched + kRampOut && isHeard && force > 1e-6) ++(active != nullptr ? result.late : result.early);
-      if (active != nullptr || now < std::max(ended, latched) + kRest) continue;
-      latched = -1.0;
-      const Status status = body.tick().device;
-      if (fault == GuardReason::device || (status != Status::ok && status != Status::stale)) break;  // start again
-      body.reset();
-      for (int i = 0; i < 8 && haptics.guard().fault() != GuardReason::none; ++i) (void)body.step();
     }
-    ++result.restarts;
+    const std::uint64_t before = body.tick().number;
+    (void)body.step();
+    const double force = rig.force().norm();
+    if (!(force <= largest * (1.0 + 1e-9))) ++result.tooLarge;
+    if (body.tick().number != before) {
+      ++result.ticks;
+      if (body.tick().mode == RenderMode::contact && body.tick().reason == GuardReason::none) ++result.inContact;
+    }
+    const GuardReason fault = haptics.guard().fault();
+    if (fault == GuardReason::none) continue;
+    if (latched < 0.0) {
+      latched = now;
+      ++result.latched[static_cast<std::size_t>(fault)];
+      if (fault != GuardReason::late && fault != GuardReason::device)
+        result.unexpected += std::string(toString(fault)) + " at " + std::to_string(now) + " s, " +
+                             (active != nullptr ? "during " + active->name
+                                                : std::to_string(now - ended) + " s after a fault of the device") +
+                             "; ";
+    }
+    const bool isDeaf = active != nullptr && active->isDeaf;
+    // After such a fault, the force ends with the next frame.
+    const bool isHeard = !isDeaf && now > ended + 2.0 * kPeriod;
+    if (now > latched + kRampOut && isHeard && force > 1e-6) ++(active != nullptr ? result.late : result.early);
+    if (active != nullptr || now < std::max(ended, latched) + kRest) continue;
+    if (const Status status = body.tick().device; status != Status::ok && status != Status::stale) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the host opens the device again in real time
+      toggle = now + kRest;
+      continue;
+    }
+    latched = -1.0;
+    ++result.resets;
+    body.reset();
+    for (int i = 0; i < 40 && haptics.guard().fault() != GuardReason::none; ++i) (void)body.step();  // until a sample
   }
   return result;
 }
@@ -200,7 +165,7 @@ void check(const std::string& name, const Rig& rig) {
   std::cout << " of the guard:";
   for (std::size_t i = 0; i < result.latched.size(); ++i)
     if (result.latched[i] > 0) std::cout << ' ' << toString(static_cast<GuardReason>(i)) << ' ' << result.latched[i];
-  std::cout << "; " << result.restarts << " starts; " << result.felt << " of " << result.stretches
+  std::cout << "; " << result.resets << " resets; " << result.felt << " of " << result.stretches
             << " stretches without faults with contact\n";
   CHECK(result.tooLarge == 0);
   CHECK(result.late == 0);
@@ -211,143 +176,271 @@ void check(const std::string& name, const Rig& rig) {
   CHECK(result.unexpected == "");
 }
 
-// The task push of `enamel compare` through a driver: rest under a preload, then a step of force.
-struct Pushes {
-  double preload, force, noise;  // N
-  double stiffness, damping;     // of the best spring (lib/docs/devices.md), N/m, N s/m
+// A driver between a virtual device and the loop of a study. The stand-in shows the sample of the virtual device, and
+// the virtual device receives the force of the stand-in.
+class ThroughDriver final : public HapticDevice {
+ public:
+  ThroughDriver(VirtualDevice& device, const Rig& rig)
+      : device_(device), rig_(rig), opened_(openAt(rig.url)), begin_ns_(clock_ns + 2'000'000) {
+    (void)take();
+    clock_ns = begin_ns_ - 1'000'000;  // before the first tick
+    opened_.device->open();
+  }
+  ~ThroughDriver() override { opened_.device->close(); }
+  ThroughDriver(const ThroughDriver&) = delete;
+  ThroughDriver& operator=(const ThroughDriver&) = delete;
+
+  [[nodiscard]] Status measure(Measurement& m) noexcept override {
+    if (const Status status = take(); status != Status::ok) return status;
+    rig_.period();
+    Status status = opened_.device->measure(m);
+    if (rig_.await) rig_.await(*opened_.device, m, status);
+    m.rates = sample_.rates;  // differences: the spring is stiffer than with the low pass of a driver
+    return status;
+  }
+  [[nodiscard]] Status actuate(const Command& command) noexcept override {
+    const std::uint64_t before = rig_.messages ? rig_.messages() : 0;
+    if (const Status status = opened_.device->actuate(command); status != Status::ok) return status;
+    while (rig_.messages && rig_.messages() == before) std::this_thread::yield();
+    Command arrived{JointVector::Zero(command.effort.size())};
+    arrived.effort.head<3>() = rig_.force();
+    return device_.actuate(arrived);
+  }
+
+ private:
+  Status take() noexcept {
+    const Status status = device_.measure(sample_);
+    clock_ns = begin_ns_ + std::llround(1e9 * device_.time());
+    rig_.show(sample_);
+    return status;
+  }
+
+  VirtualDevice& device_;
+  const Rig& rig_;
+  OpenedDevice opened_;
+  std::int64_t begin_ns_;
+  Measurement sample_;
 };
 
-// Mean depth stiffness of pushes, N/m. Each begins at another moment of a tick.
-double depthStiffness(const Rig& rig, const Pushes& pushes, bool isSpring) {
-  const ImpedanceOptions spring{pushes.stiffness, pushes.damping};
-  DriverLoop loop(rig, isSpring ? &spring : nullptr);
-  SteppedDevice& device = loop.device;
-  LoopBody body(device, loop.haptics, loop.options);
-  std::mt19937_64 random(test::seed());
-  std::normal_distribution<double> noise(0.0, pushes.noise);
-  const auto hold = [&](double force, double duration) {
-    for (const double end = device.time() + duration; device.time() < end;) {
-      rig.push(force + noise(random));
-      (void)body.step();
-    }
+// The tasks of `enamel compare`, with its forces scaled to the device as on the page, and its best spring there.
+struct Tasks {
+  double lowest, highest, preload, noise;  // of the push, N
+  double stiffness, damping;               // of the best spring, N/m, N s/m
+  int delay;                               // as the first trial measures it, ticks
+  double ratio;                            // of K_d on the page
+};
+
+// The plan of pushes through a driver: position control for a delay, and the best spring.
+StudyPlan pushesOf(const std::string& plant, const Rig& rig, const Tasks& tasks, const Delay& delay) {
+  const DeviceParameters parameters = loadDevice(test::deviceFile(rig.file));
+  StudyPlan plan;
+  plan.scenarios = {1};
+  plan.grid = 1;
+  plan.runs = test::count(6, 20);
+  plan.lowestForce = tasks.lowest;
+  plan.highestForce = tasks.highest;
+  plan.insideTick = true;
+  plan.setup.seed = test::seed();
+  plan.setup.hand.preload = tasks.preload;
+  plan.setup.hand.noise = tasks.noise;
+  plan.setup.encoders = {true, RateSource::difference};
+  plan.setup.wrapper = [&rig](VirtualDevice& device) { return std::make_unique<ThroughDriver>(device, rig); };
+  StudyColumn column;
+  column.plant = makeMechanism(parameters);
+  column.model = makeMechanism(modelFor(plant, parameters));
+  column.makePlant = plantMaker(plant, parameters, {}, plan.setup);
+  column.make = [model = column.model, delay](std::size_t) {
+    return std::make_unique<PositionControlRenderer>(positionControlFor(*model, kPeriod, delay.low, delay.high));
   };
-  hold(pushes.preload, 0.5);
-  double sum = 0.0;
-  const int count = test::count(4, 20);
-  for (int i = 0; i < count; ++i) {
-    hold(pushes.preload, 0.4 + i * kPeriod / count);
-    rig.restart();
-    hold(pushes.preload, 0.1);
-    const double rest = rig.path(true);
-    rig.restart();
-    hold(pushes.force, 0.1);
-    sum += pushes.force / (rest - rig.path(false));
-    hold(pushes.force, 0.1);
-  }
-  CHECK(loop.haptics.guard().fault() == GuardReason::none);
-  rig.push(0.0);
-  return sum / count;
+  plan.columns = {column, column};
+  plan.columns[1].make = [&tasks](std::size_t) {
+    return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{tasks.stiffness, tasks.damping});
+  };
+  return plan;
 }
 
-void compare(const std::string& name, const Rig& rig, const Pushes& pushes, double least) {
-  const double control = depthStiffness(rig, pushes, false), spring = depthStiffness(rig, pushes, true);
-  std::cout << name << ": K_d of position control " << 1e-3 * control << " kN/m, of the spring " << 1e-3 * spring
-            << " kN/m, ratio " << control / spring << '\n';
-  CHECK(control > (test::longRun() ? least : 0.85 * least) * spring);  // few pushes scatter
+std::vector<StudyResult> resultsOf(const StudyPlan& plan) {
+  std::vector<StudyResult> results;
+  for (std::size_t i = 0; i < plan.size(); ++i) results.push_back(performRun(plan, runAt(plan, i)));
+  return results;
+}
+
+void compareOn(const std::string& plant, const std::string& name, const Rig& rig, const Tasks& tasks) {
+  const char* const mark = rig.url.find('?') == std::string::npos ? "?" : "&";
+  const Delay delay = openAt(rig.url + mark + "delay=" + std::to_string(tasks.delay)).delay;
+  StudyPlan plan = pushesOf(plant, rig, tasks, delay);
+  const std::vector<StudyResult> results = resultsOf(plan);
+  for (const StudyResult& r : results)
+    if (isLost(r))
+      std::cout << "  lost: column " << r.run.column << ", run " << r.run.run << ", " << r.run.force << " N, "
+                << toString(r.status) << ", " << toString(r.metrics.verdict) << '\n';
+  std::vector<RendererScore> scores = scoresOf(plan, results);
+  plan.setup.hand.noise = 0.5;  // the trials scale it as their forces
+  std::vector<std::string> trials = wallTrialNames();
+  if (plant == kImperfect)  // the friction stops a thrown tool in front of the wall
+    trials.erase(std::remove_if(trials.begin(), trials.end(),
+                                [](const std::string& trial) { return trial.rfind("impact", 0) == 0; }),
+                 trials.end());
+  addWallTrials(plan, trials, 1, scores);
+  const double control = spreadOf(scores[0].depthStiffness).mean, spring = spreadOf(scores[1].depthStiffness).mean;
+  std::cout << name << ", plant " << plant << ", " << plan.runs << " runs a task; K_d of position control "
+            << 1e-3 * control << " kN/m, of the spring " << 1e-3 * spring << " kN/m, ratio " << control / spring
+            << "; pushes lost " << scores[0].lost << ", " << scores[1].lost << '\n';
+  CHECK(scores[0].trials.size() > 13);
+  for (std::size_t i = 0; i < scores[0].trials.size(); ++i) {
+    const WallFigure &a = scores[0].trials[i], &b = scores[1].trials[i];
+    std::cout << "  " << a.trial << ", " << a.figure << ": " << a.value << ' ' << a.unit << " (" << a.lost
+              << " lost), spring " << b.value << " (" << b.lost << " lost)\n";
+    INFO(a.trial);
+    CHECK(a.lost == 0);
+  }
+  CHECK(scores[0].lost == 0);
+  CHECK(control > 0.85 * tasks.ratio * spring);  // the page has 90 pushes, at nine points
+}
+
+// On the ideal plant, and on the imperfect one if the file has its numbers.
+void compare(const std::string& name, const Rig& rig, const Tasks& tasks) {
+  compareOn(kClosedForm, name, rig, tasks);
+  if (plantOf(loadDevice(test::deviceFile(rig.file))) == std::string(kImperfect))
+    compareOn(kImperfect, name, rig, tasks);
+}
+
+// The first trial passes with the driver as it is, and names each single mistake of it.
+void tryFirst(const std::string& name, const Rig& rig) {
+  const auto tried = [&](test::Mistake mistake) {
+    OpenedDevice opened = openAt(rig.url);
+    opened.device = std::make_unique<SteppedDevice>(std::move(opened.device), rig, kPeriod);
+    return test::tryOut(std::move(opened), mistake,
+                        [&](const Vec3& place, double stiffness) { rig.hold(place, stiffness, 4.0); });
+  };
+  const FirstTouchResult good = tried(test::Mistake::none);
+  INFO(name << "\n" << good.report);
+  CHECK(good.surprise.empty());
+  CHECK(good.isComplete);
+  for (const auto& [mistake, words] : test::kMistakes) {
+    const FirstTouchResult result = tried(mistake);
+    INFO(name << ", expected: " << words << "\n" << result.report);
+    CHECK_THAT(result.surprise, test::ContainsSubstring(words));
+    CHECK_FALSE(result.isComplete);
+  }
 }
 
 }  // namespace
 
 #ifdef ENAMEL_DHD_STAND_IN
 TEST_CASE("the Force Dimension driver in simulated time, with faults", "[drivers]") {
-  const test::StandIn standIn(ENAMEL_DHD_STAND_IN, "dhd");
-  const auto set = [&](const char* what, double value) { standIn.set(what, value); };
-  set("model", 3.0);
-  Rig rig{std::string("forcedimension://0?library=") + ENAMEL_DHD_STAND_IN, std::sqrt(3.0) * 12.0, [] {},
-          [&] { return standIn.force().norm(); }};
-  rig.place = [&](double z) { set("place-z", z); };
-  rig.faults = {{"early", [&](bool on) { set("early", on); }},
-                {"forces cut", [&](bool on) { set("forces", !on); }},
-                {"unplugged", [&](bool on) { set("unplugged", on); }}};
-  check("forcedimension", rig);
+  test::DhdRig standIn;
+  standIn.rig.faults = {{"early", [&](bool on) { standIn.set("early", on); }},
+                        {"forces cut", [&](bool on) { standIn.set("forces", !on); }},
+                        {"unplugged", [&](bool on) { standIn.set("unplugged", on); }}};
+  check("forcedimension", standIn.rig);
 }
 
-TEST_CASE("pushes through the Force Dimension driver", "[drivers]") {
-  const test::StandIn standIn(ENAMEL_DHD_STAND_IN, "dhd");
-  const auto path = standIn.find<double(int)>("dhdStandInPath");
-  standIn.set("model", 3.0);
-  Rig rig{std::string("forcedimension://0?library=") + ENAMEL_DHD_STAND_IN, 0.0, [] {}, {}};
-  rig.push = [&](double force) { standIn.set("push", force); };
-  rig.path = [=](bool mean) { return path(mean ? 1 : 0); };
-  rig.restart = [&] { standIn.set("path", 0.0); };
-  compare("omega.3", rig, {0.24, 2.76, 0.12, 14.7e3, 100.0}, 2.0);
+TEST_CASE("tasks of the comparison through the Force Dimension driver", "[drivers]") {
+  const test::DhdRig standIn;
+  compare("omega.3", standIn.rig, {1.92, 3.6, 0.24, 0.12, 48.8e3, 140.0, 0, 1.76});
 }
+
+TEST_CASE("the delay that position control assumes must be that of the device", "[drivers]") {
+  const test::DhdRig standIn;
+  const Tasks tasks{1.92, 3.6, 0.24, 0.12, 48.8e3, 140.0, 0, 0.0};
+  for (const Delay& assumed : {Delay{0, 0}, Delay{0, 1}, Delay{1, 1}})
+    for (const int actual : {0, 1}) {
+      StudyPlan plan = pushesOf(kClosedForm, standIn.rig, tasks, assumed);
+      plan.columns.resize(1);
+      plan.setup.delay = {actual, actual};
+      const int lost = scoresOf(plan, resultsOf(plan))[0].lost;
+      std::cout << "omega.3, assumed delay " << assumed.low << ".." << assumed.high << ", actual " << actual << ": "
+                << lost << " of " << plan.size() << " pushes lost\n";
+      if (assumed.low == actual && assumed.high == actual) CHECK(lost == 0);
+    }
+}
+
+TEST_CASE("the first trial with the Force Dimension driver", "[drivers]") { tryFirst("omega.3", test::DhdRig().rig); }
 #endif
 
 #ifdef ENAMEL_HD_STAND_IN
 TEST_CASE("the OpenHaptics driver in simulated time, with faults", "[drivers]") {
-  const test::StandIn standIn(ENAMEL_HD_STAND_IN, "hd");
-  const auto set = [&](const char* what, double value) { standIn.set(what, value); };
-  const auto periods = standIn.find<void(int)>("hdStandInPeriods");
-  set("manual", 1.0);
-  Rig rig{std::string("openhaptics://Default Device?library=") + ENAMEL_HD_STAND_IN, 3.3, [=] { periods(1); },
-          [&] { return standIn.force().norm(); }};
-  rig.place = [&](double z) { set("place-z", z); };
-  rig.faults = {{"stalled", [&](bool on) { set("stalled", on); }, true},
-                {"warm", [&](bool on) { set("warm", on); }},
-                {"unplugged", [&](bool on) { set("unplugged", on); }}};
-  check("openhaptics", rig);
-  set("manual", 0.0);
+  test::HdRig standIn;
+  standIn.rig.faults = {{"stalled", [&](bool on) { standIn.set("stalled", on); }, true},
+                        {"warm", [&](bool on) { standIn.set("warm", on); }},
+                        {"unplugged", [&](bool on) { standIn.set("unplugged", on); }}};
+  check("openhaptics", standIn.rig);
 }
 
-TEST_CASE("pushes through the OpenHaptics driver", "[drivers]") {
-  const test::StandIn standIn(ENAMEL_HD_STAND_IN, "hd");
-  const auto path = standIn.find<double(int)>("hdStandInPath");
-  const auto periods = standIn.find<void(int)>("hdStandInPeriods");
-  standIn.set("manual", 1.0);
-  Rig rig{std::string("openhaptics://Default Device?library=") + ENAMEL_HD_STAND_IN, 0.0, [=] { periods(1); }, {}};
-  rig.push = [&](double force) { standIn.set("push", force); };
-  rig.path = [=](bool mean) { return path(mean ? 1 : 0); };
-  rig.restart = [&] { standIn.set("path", 0.0); };
-  compare("Touch", rig, {0.066, 0.759, 0.033, 2.114e3, 15.75}, 1.0);
-  standIn.set("manual", 0.0);
+TEST_CASE("tasks of the comparison through the OpenHaptics driver", "[drivers]") {
+  const test::HdRig standIn;
+  compare("Touch", standIn.rig, {0.528, 0.99, 0.066, 0.033, 2.114e3, 15.75, 1, 1.49});
 }
+
+// The side of a bur, 60 mm in front of the hand, presses against a wall beside it. The stylus turns without motors.
+TEST_CASE("a stylus feels the side of a bur at the end of a tool of 60 mm", "[drivers]") {
+  const test::HdRig standIn;
+  const Rig& rig = standIn.rig;
+  OpenedDevice opened = openAt(rig.url);
+  SteppedDevice device(std::move(opened.device), rig, kPeriod);
+  constexpr double kRadius = 1e-3, kWall = -3e-3;      // m, along x
+  constexpr double kPress = 5e-3, kStiffness = 100.0;  // m, N/m, of the hand
+  Tool tool;
+  tool.parts[0] = {Vec3(0.0, 0.0, -0.055), Vec3(0.0, 0.0, -0.060), kRadius};
+  Scene scene;
+  scene.add(halfSpace("wall", Vec3(kWall, 0.0, 0.0), Vec3::UnitX()));
+  PositionControlRenderer control(positionControlFor(*opened.mechanism, kPeriod, 2, 2));
+  HapticTick haptics(*opened.mechanism, scene, tool, control, kPeriod);
+  LoopBody body(device, haptics, {});
+  const double middle = kWall + kRadius;  // of the bur when it touches
+  double deepest = 0.0, sum = 0.0, way = 0.0;
+  int count = 0, inContact = 0;
+  constexpr int kTicks = 6000, kSettled = 1000;
+  for (int i = 0; i < kTicks; ++i) {
+    // The hand is 5 mm behind the wall, then turns the stylus to and fro by 0.05 rad about y. That moves the bur by
+    // 3 mm.
+    rig.hold({middle - kPress, 0.0, 0.0}, kStiffness, 5.0);
+    standIn.set("turn-y", i < kTicks / 2 ? 0.0 : 0.05 * std::sin(2.0 * M_PI * kPeriod * (i - kTicks / 2)));
+    (void)body.step();
+    INFO("tick " << i << ": " << toString(haptics.guard().fault()));
+    REQUIRE(haptics.guard().fault() == GuardReason::none);
+    if (i < kSettled) continue;
+    const Pose& pose = body.tick().pose;
+    for (const Vec3& end : {tool.parts[0].a, tool.parts[0].b})
+      deepest = std::max(deepest, middle - (pose.position + pose.rotation * end).x());
+    if (body.tick().mode == RenderMode::contact) ++inContact;
+    if (i >= kTicks / 2) continue;
+    sum += rig.force().x();
+    way += pose.position.x();
+    ++count;
+  }
+  const double force = sum / count, place = way / count;
+  std::cout << "side of a bur: deepest " << 1e3 * deepest << " mm, mean force " << force << " N, hand at "
+            << 1e3 * place << " mm, in contact in " << inContact << " of " << kTicks - kSettled << " ticks\n";
+  // The wall holds the bur against the hand's spring, up to the friction of the device (0.26 N).
+  CHECK(std::abs(force - kStiffness * (place - (middle - kPress))) < 0.26);
+  CHECK(deepest < 0.5e-3);
+  CHECK(inContact > (kTicks - kSettled) / 2);
+}
+
+TEST_CASE("the first trial with the OpenHaptics driver", "[drivers]") { tryFirst("Touch", test::HdRig().rig); }
 #endif
 
 #ifdef ENAMEL_HAPLY_SERVICE
-// The service answers over a socket in real time: wait for at most 0.2 s.
-static void awaitAnswer(HapticDevice& device, Measurement& m, Status& status) {
-  for (int i = 0; i < 10000 && status == Status::stale; ++i) {
-    std::this_thread::sleep_for(std::chrono::microseconds(20));
-    status = device.measure(m);
-  }
-}
-
 TEST_CASE("the Haply driver in simulated time, with faults", "[drivers]") {
-  test::HaplyService service(test::deviceFile("inverse3.toml"), kHandWay, -kHandWay);
-  bool isSilent = false;
-  Rig rig{"haply://" + service.address(), std::sqrt(3.0) * 6.0, [] {}, [&] { return std::abs(service.force.load()); }};
-  rig.await = [&](HapticDevice& device, Measurement& m, Status& status) {
-    if (!isSilent) awaitAnswer(device, m, status);
-  };
-  const auto silent = [&](std::atomic<bool>& fault) { return [&](bool on) { fault = isSilent = on; }; };
-  rig.faults = {{"no device", silent(service.isUnplugged)},
-                {"garbage", silent(service.isGarbage)},
-                {"shuffled", [&](bool on) { service.isShuffled = on; }},
-                {"slow", [&](bool on) { service.isSlow = on; }},
-                {"closed", [&](bool on) { service.isClosing = isSilent = on; }}};
-  check("haply", rig);
+  test::HaplyRig standIn;
+  test::HaplyService& service = standIn.service;
+  const auto silent = [&](std::atomic<bool>& fault) { return [&](bool on) { fault = standIn.isSilent = on; }; };
+  standIn.rig.faults = {{"no device", silent(service.isUnplugged)},
+                        {"garbage", silent(service.isGarbage)},
+                        {"shuffled", [&](bool on) { service.isShuffled = on; }},
+                        {"slow", [&](bool on) { service.isSlow = on; }},
+                        {"closed", [&](bool on) { service.isClosing = standIn.isSilent = on; }}};
+  check("haply", standIn.rig);
 }
 
-TEST_CASE("pushes through the Haply driver", "[drivers]") {
-  test::HaplyService service(test::deviceFile("inverse3.toml"), 0.0, 0.0);
-  Rig rig{"haply://" + service.address(), 0.0, [] {}, {}};
-  rig.await = awaitAnswer;
-  rig.push = [&](double force) { service.push = force; };
-  rig.path = [&](bool mean) { return mean ? service.mean() : service.lowest(); };
-  rig.restart = [&] { service.isNewPath = true; };
-  compare("Inverse3", rig, {0.12, 1.38, 0.06, 5.87e3, 35.0}, 2.0);
+TEST_CASE("tasks of the comparison through the Haply driver", "[drivers]") {
+  const test::HaplyRig standIn;
+  compare("Inverse3", standIn.rig, {0.96, 1.8, 0.12, 0.06, 5.87e3, 35.0, 1, 2.15});
 }
+
+TEST_CASE("the first trial with the Haply driver", "[drivers]") { tryFirst("Inverse3", test::HaplyRig().rig); }
 #endif
 
 }  // namespace enamel::test_drivers

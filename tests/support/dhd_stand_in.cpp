@@ -17,11 +17,14 @@ struct StandIn {
   int model = 3;  // axes: 3, 6 (the wrist has no motors), 7 (with a gripper)
   int count = 1;
   bool isOpen = false, hasPower = true, forces = false, button = false, isUnplugged = false, isEarly = false;
+  bool needsCalibration = false;
+  int offCause = 0;  // of the forces
   double wrench[7] = {};
   std::unique_ptr<test::HeldDevice> device;
   Clock::time_point begin;
-  Vec3 turn = Vec3::Zero();         // of the hand's target, axes of the SDK, rad
-  double placeZ = 0.0, push = 0.0;  // of the hand, axis of W, m and N
+  Vec3 turn = Vec3::Zero();                 // of the hand's target, axes of the SDK, rad
+  Vec3 place = Vec3::Zero();                // of the hand, W, m
+  double stiffness = 100.0, damping = 5.0;  // of the hand, N/m, N s/m
 };
 StandIn s;
 
@@ -29,12 +32,14 @@ Mat3 axes() { return (Mat3() << 0, 1, 0, 0, 0, 1, 1, 0, 0).finished(); }  // wor
 
 // Simulate to the present, at most 0.1 s.
 void advance() {
+  if (s.device->isShown()) return;
   const double now = std::chrono::duration<double>(Clock::now() - s.begin).count();
   if (now - s.device->time() > 0.1)
     s.begin = Clock::now() - std::chrono::microseconds(static_cast<long>(1e6 * (s.device->time() + 0.1)));
   s.device->turn = axes() * s.turn;
-  s.device->place.z() = s.placeZ;
-  s.device->push = s.push;
+  s.device->place = s.place;
+  s.device->stiffness = s.stiffness;
+  s.device->damping = s.damping;
   const Vec3 force = axes() * Eigen::Map<const Vec3>(s.wrench), moment = axes() * Eigen::Map<const Vec3>(s.wrench + 3);
   while (s.device->time() < std::chrono::duration<double>(Clock::now() - s.begin).count())
     s.device->advance(s.forces ? force : Vec3(Vec3::Zero()), s.forces && s.model == 7 ? moment : Vec3(Vec3::Zero()));
@@ -45,33 +50,36 @@ void advance() {
 #pragma GCC visibility push(default)
 extern "C" {
 
-// what: "model" (3, 6, 7), "count", "power", "button", "unplugged", "early", "forces", "place-z",
-// "push" (N), "path" (restarts it), "turn-x", "turn-y", "turn-z".
+// what: "model" (3, 6, 7), "count", "power", "button", "unplugged", "early", "forces", "off-cause", "reset"; of the hand:
+// "stiffness", "damping", "place-x" to "place-z" (W), "turn-x" to "turn-z" (axes of the SDK).
 void dhdStandIn(const char* what, double value) {
   const auto is = [what](const char* name) { return std::strcmp(what, name) == 0; };
   if (is("model")) s.model = static_cast<int>(value);
   if (is("count")) s.count = static_cast<int>(value);
   if (is("power")) s.hasPower = value != 0.0;
   if (is("button")) s.button = value != 0.0;
-  if (is("place-z")) s.placeZ = value;
-  if (is("push")) s.push = value;
-  if (is("path")) s.device->path = {};
+  if (is("stiffness")) s.stiffness = value;
+  if (is("damping")) s.damping = value;
   if (is("unplugged")) s.isUnplugged = value != 0.0;
   if (s.isUnplugged) {  // nothing drives the motors any more
-    s.forces = false;
+    s.forces = s.isOpen = false;
     std::memset(s.wrench, 0, sizeof s.wrench);
   }
+  if (is("reset")) s.needsCalibration = value != 0.0;
+  if (is("off-cause")) s.offCause = static_cast<int>(value);
   if (is("early")) s.isEarly = value != 0.0;
   if (is("forces")) s.forces = value != 0.0;
-  for (int i = 0; i < 3; ++i)
+  for (int i = 0; i < 3; ++i) {
     if (std::strncmp(what, "turn-", 5) == 0 && what[5] == "xyz"[i]) s.turn[i] = value;
+    if (std::strncmp(what, "place-", 6) == 0 && what[6] == "xyz"[i]) s.place[i] = value;
+  }
 }
 double dhdStandInForce(int axis) { return s.wrench[axis]; }
-double dhdStandInPath(int mean) { return mean != 0 ? s.device->path.mean() : s.device->path.lowest; }
+void dhdStandInShow(const Measurement* sample) { s.device->show(*sample); }
 
 int dhdGetDeviceCount() { return s.count; }
 int dhdOpenID(char index) {
-  if (index >= s.count) return -1;
+  if (index >= s.count || s.isUnplugged) return -1;
   const char* const files[] = {"omega-3.toml", "omega-6.toml", "sigma-7.toml"};
   s.device = std::make_unique<test::HeldDevice>(files[s.model == 3 ? 0 : s.model == 6 ? 1 : 2], 2.5e-4);
   s.begin = Clock::now();
@@ -88,6 +96,7 @@ bool dhdHasWrist(char) { return s.model > 3; }
 bool dhdHasActiveWrist(char) { return s.model == 7; }
 bool dhdHasGripper(char) { return s.model == 7; }
 int dhdEnableForce(unsigned char on, char) {
+  if (!s.isOpen) return -1;
   s.forces = on != 0;
   return 0;
 }
@@ -95,7 +104,9 @@ int dhdGetStatus(int* status, char) {
   std::memset(status, 0, 16 * sizeof(int));
   status[0] = s.hasPower;
   status[1] = 1;
+  status[3] = s.needsCalibration;
   status[5] = s.forces;
+  status[14] = s.offCause;
   return s.isUnplugged ? -1 : 0;
 }
 int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double rotation[3][3], char id) {
@@ -118,8 +129,8 @@ int dhdGetGripperAngleRad(double* angle, char) {
 unsigned dhdGetButtonMask(char) { return s.button ? 1U : 0U; }
 int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz, double fg,
                                         char) {
-  if (s.isUnplugged) return -1;
-  if (s.isOpen) advance();
+  if (s.isUnplugged || !s.isOpen) return -1;
+  advance();
   const double wrench[] = {fx, fy, fz, tx, ty, tz, fg};
   std::memcpy(s.wrench, wrench, sizeof wrench);
   return 0;

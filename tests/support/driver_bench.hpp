@@ -29,6 +29,14 @@ class StandIn {
   StandIn& operator=(const StandIn&) = delete;
 
   void set(const char* what, double value) const { set_(what, value); }
+  /// Hold the device with the hand: place, W, m; N/m, N s/m.
+  void hold(const Vec3& place, double stiffness, double damping) const {
+    set("place-x", place.x());
+    set("place-y", place.y());
+    set("place-z", place.z());
+    set("stiffness", stiffness);
+    set("damping", damping);
+  }
   double force(int axis) const { return force_(axis); }  ///< in the axes of the vendor
   Vec3 force() const { return {force(0), force(1), force(2)}; }
 

@@ -8,6 +8,7 @@
 #include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -23,6 +24,7 @@ namespace beast = boost::beast;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 using tcp = net::ip::tcp;
+using Lock = std::lock_guard<std::mutex>;
 
 constexpr double kPeriod = 2.5e-4;  // s, of the device
 const char* const kId = "049D";
@@ -45,9 +47,11 @@ struct HaplyService::Server {
   tcp::acceptor acceptor{io, tcp::endpoint(net::ip::address_v4::loopback(), 0)};
   std::atomic<int> open{-1};  // the socket of the client
   std::atomic<bool> stops{false};
+  std::mutex mutex;             // of device, applied and isHeld
   Vec3 applied = Vec3::Zero();  // axes of W, N
-  double skipped = 0.0;         // s, of the clock
-  std::thread thread;           // last: it uses all others
+  bool isHeld = false;
+  double skipped = 0.0;  // s, of the clock
+  std::thread thread;    // last: it uses all others
 
   Server(HaplyService& s, const std::string& file, double from, double to)
       : service(s), high(from), low(to), device(loadDevice(file), kPeriod, from * Vec3::UnitZ()), thread([this] {
@@ -61,8 +65,11 @@ struct HaplyService::Server {
   }
 
   void run() {
-    device.advance(applied, Vec3::Zero());  // a clock that the test advances may not have moved
-    (void)system::requestRealtime(70);      // other programs on this machine are not part of the test
+    {
+      const Lock lock(mutex);
+      device.advance(applied, Vec3::Zero());  // a clock that the test advances may not have moved
+    }
+    (void)system::requestRealtime(70);  // other programs on this machine are not part of the test
     while (!stops) {
       beast::error_code error;
       tcp::socket socket(io);
@@ -85,6 +92,7 @@ struct HaplyService::Server {
       beast::flat_buffer buffer;
       stream.read(buffer, error);
       if (error || service.isClosing.exchange(false)) {  // the motors are off without a client
+        const Lock lock(mutex);
         applied.setZero();
         service.force = 0.0;
         return;
@@ -108,30 +116,31 @@ struct HaplyService::Server {
   }
 
   void take(const Json& message) {
+    const Lock lock(mutex);
     advance();
     if (message.contains("session")) service.hasProfile = true;
     const Json& command = message.at("inverse3").at(0);
     if (command.at("device_id") != kId) return;
     const Json& v = command.at("commands").at("set_cursor_force").at("vector");
     const Vec3 f(v.at("x"), v.at("y"), v.at("z"));
-    service.force = f.z();
+    service.force = f.norm();
     service.largestForce = std::max(service.largestForce.load(), f.norm());
     applied = toWorld(f);
   }
 
   // Simulate to the present, at most 0.1 s.
   void advance() {
+    if (device.isShown()) return;
     const double now = std::chrono::duration<double>(Clock::now() - begin).count() - skipped;
     if (now - device.time() > 0.1) skipped += now - device.time() - 0.1;
     while (device.time() < std::chrono::duration<double>(Clock::now() - begin).count() - skipped) {
-      device.place.z() = 0.5 * (high + low) + 0.5 * (high - low) * std::cos(2.0 * M_PI * device.time());
-      device.push = service.push;
-      if (service.isNewPath.exchange(false)) device.path = {};
+      if (!isHeld) device.place.z() = 0.5 * (high + low) + 0.5 * (high - low) * std::cos(2.0 * M_PI * device.time());
       device.advance(applied, Vec3::Zero());
     }
   }
 
   std::string stateText(bool isFirst) {
+    const Lock lock(mutex);
     advance();
     const Json state{{"cursor_position", jsonOf(toService(Vec3(device.sample().q)) + kCentre)},
                      {"cursor_velocity", jsonOf(toService(Vec3(device.sample().rates)))},
@@ -140,8 +149,8 @@ struct HaplyService::Server {
     Json entry{{"device_id", kId}};
     if (isFirst) {
       entry["config"] = {{"type", "inverse3"}, {"basis", {{"permutation", service.isPermuted ? "XZY" : "XYZ"}}}};
-      entry["status"] = {{"calibrated", !service.isUncalibrated}};
     }
+    entry["status"] = {{"calibrated", !service.isUncalibrated}};
     entry["state"] = state;
     Json grip{{"device_id", "0012"}, {"state", {{"buttons", {{"a", false}, {"b", true}, {"c", false}}}}}};
     Json message{{"session_id", 7}, {"inverse3", Json::array()}, {"wireless_verse_grip", Json::array({grip})}};
@@ -164,8 +173,21 @@ struct HaplyService::Server {
 HaplyService::HaplyService(const std::string& deviceFile, double high, double low)
     : server_(std::make_unique<Server>(*this, deviceFile, high, low)) {}
 HaplyService::~HaplyService() = default;
-double HaplyService::lowest() const { return server_->device.path.lowest; }
-double HaplyService::mean() const { return server_->device.path.mean(); }
+void HaplyService::hold(const Vec3& place, double stiffness, double damping) {
+  const Lock lock(server_->mutex);
+  server_->isHeld = true;
+  server_->device.place = place;
+  server_->device.stiffness = stiffness;
+  server_->device.damping = damping;
+}
+void HaplyService::show(const Measurement& sample) {
+  const Lock lock(server_->mutex);
+  server_->device.show(sample);
+}
+Vec3 HaplyService::newestForce() const {
+  const Lock lock(server_->mutex);
+  return server_->applied;
+}
 std::string HaplyService::address() const {
   return "127.0.0.1:" + std::to_string(server_->acceptor.local_endpoint().port());
 }

@@ -7,19 +7,26 @@
 #include <memory>
 #include <string>
 
+#include "enamel/device/haptic_device.hpp"
+
 namespace enamel::test {
 
 class HaplyService {
  public:
-  /// The hand moves the device along W's z: from `high` to `low` and back within 1 s (m).
+  /// The hand moves the device along W's z: from `high` to `low` and back within 1 s (m). hold() ends that.
   HaplyService(const std::string& deviceFile, double high, double low);
   ~HaplyService();
   HaplyService(const HaplyService&) = delete;
   HaplyService& operator=(const HaplyService&) = delete;
 
-  /// Return lowest and mean z of the device, W, m. Call them only while the client does not send.
-  double lowest() const;
-  double mean() const;
+  /// Hold the device at a place, W, m, with a stiffness and a damping, N/m, N s/m.
+  void hold(const Vec3& place, double stiffness, double damping);
+
+  /// Report this sample instead of the simulated ones. It has the coordinates of the device file.
+  void show(const Measurement& sample);
+
+  /// Return the newest force of the client, W, N.
+  Vec3 newestForce() const;
 
   /// Return "127.0.0.1:PORT".
   std::string address() const;
@@ -32,14 +39,11 @@ class HaplyService {
   std::atomic<bool> isUnplugged{false};     ///< answers without the device
   std::atomic<bool> isGarbage{false};       ///< answers that are not JSON
   std::atomic<bool> isClosing{false};       ///< closes the connection at the next message
-  std::atomic<bool> isUncalibrated{false};  ///< in the first message
+  std::atomic<bool> isUncalibrated{false};  ///< in the status
   std::atomic<bool> isPermuted{false};      ///< in the first message
 
-  std::atomic<double> push{0.0};       ///< of the hand against W's z, N
-  std::atomic<bool> isNewPath{false};  ///< restarts lowest() and mean(); false again when done
-
   std::atomic<std::uint64_t> messages{0};             ///< received
-  std::atomic<double> force{0.0}, largestForce{0.0};  ///< newest and largest force along z of the service, N
+  std::atomic<double> force{0.0}, largestForce{0.0};  ///< size of the newest and of the largest force, N
   std::atomic<bool> hasProfile{false};                ///< the session named itself
 
  private:

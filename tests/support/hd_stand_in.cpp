@@ -1,9 +1,11 @@
 // A stand-in of libHD of OpenHaptics: the documented functions that the driver uses, a scheduler with its own thread,
 // and a simulated Touch. The functions hdStandIn...() are not the vendor's: they select the device and its faults.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstring>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -50,19 +52,18 @@ using Lock = std::lock_guard<std::recursive_mutex>;
 
 void fail(unsigned code) { s.errors.push_front({code, -7, kHandle}); }
 
-// One period of the scheduler: all tasks, then the device moves.
+// One period of the scheduler: all tasks, then the device moves. hdUnschedule() waits for its end, as the vendor's.
 void period() {
-  std::map<unsigned long, std::pair<Callback, void*>> tasks;
-  {
-    const Lock lock(s.mutex);
-    if (!s.has("stalled")) tasks = s.tasks;
-  }
-  for (const auto& [task, call] : tasks) (void)call.first(call.second);  // the driver's task always continues
   const Lock lock(s.mutex);
+  if (!s.has("stalled")) {
+    const auto tasks = s.tasks;
+    for (const auto& [task, call] : tasks) (void)call.first(call.second);  // the driver's task always continues
+  }
   if (!s.isOpen) return;
   s.device->turn = {s.valueOf("turn-x"), s.valueOf("turn-y"), s.valueOf("turn-z")};
-  s.device->place.z() = s.valueOf("place-z");
-  s.device->push = s.valueOf("push");
+  s.device->place = {s.valueOf("place-x"), s.valueOf("place-y"), s.valueOf("place-z")};
+  if (s.has("stiffness")) s.device->stiffness = s.valueOf("stiffness");
+  if (s.has("damping")) s.device->damping = s.valueOf("damping");
   s.device->advance(s.forces && !s.has("unplugged") ? Vec3(Vec3::Map(s.force)) : Vec3(Vec3::Zero()), Vec3::Zero());
 }
 
@@ -73,21 +74,20 @@ extern "C" {
 
 // Faults of 1 or 0: "button", "unplugged", "fault", "warm", "stalled". "absent" is the error of hdInitDevice().
 // "uncalibrated": 1 if an update helps, 2 if only the user can. "touch-x": another model. "max-force": N.
-// "manual": periods by hdStandInPeriods() instead of a thread. "place-z", "push", "turn-x", "turn-y", "turn-z": of the
-// hand, in the axes of W, m, N and rad. "path" restarts it.
+// "heat": of the hottest motor. "manual": periods by hdStandInPeriods() instead of a thread. Of the hand, in the axes
+// of W: "stiffness", "damping", "place-x" to "place-z", "turn-x" to "turn-z".
 void hdStandIn(const char* what, double value) {
   const Lock lock(s.mutex);
   s.faults[what] = value;
-  if (std::strcmp(what, "path") == 0) s.device->path = {};
   if (s.has("unplugged")) s.forces = false;  // nothing drives the motors any more
 }
 double hdStandInForce(int axis) {
   const Lock lock(s.mutex);
   return s.forces ? s.force[axis] : 0.0;
 }
-double hdStandInPath(int mean) {
+void hdStandInShow(const Measurement* sample) {
   const Lock lock(s.mutex);
-  return mean != 0 ? s.device->path.mean() : s.device->path.lowest;
+  s.device->show(*sample);
 }
 void hdStandInPeriods(int count) {
   for (int i = 0; i < count; ++i) period();
@@ -101,6 +101,7 @@ unsigned hdInitDevice(const char* name) {
   if (name != nullptr && std::strcmp(name, "Default Device") != 0) return fail(0x0300), 0xFFFFFFFF;
   s.device = std::make_unique<test::HeldDevice>(s.has("touch-x") ? "touch-x.toml" : "touch.toml", 1e-3);
   s.isOpen = true;
+  std::fill(std::begin(s.force), std::end(s.force), 0.0);
   s.device->advance(Vec3::Zero(), Vec3::Zero());
   return kHandle;
 }
@@ -135,6 +136,8 @@ void hdGetDoublev(unsigned what, double* values) {
     corners << kMiddle - Vec3(80, 60, 35), kMiddle + Vec3(80, 60, 35);
   } else if (what == 0x2603) {
     *values = s.has("max-force") ? s.valueOf("max-force") : s.has("touch-x") ? 7.9 : 3.3;
+  } else if (what == 0x2605) {
+    for (int i = 0; i < 3; ++i) values[i] = i == 1 ? s.valueOf("heat") : 0.0;
   } else if (what != 0x2050 && what != 0x2052) {
     fail(0x0100);
   } else if (!s.isInFrame) {

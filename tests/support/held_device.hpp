@@ -9,8 +9,7 @@
 
 namespace enamel::test {
 
-/// The imperfect plant of a device file. The hand holds it at `place` (100 N/m, 5 N s/m), turned by `turn`, and pushes.
-/// Everything is in W.
+/// The imperfect plant of a device file. The hand holds it at `place`, turned by `turn`. Everything is in W.
 class HeldDevice {
  public:
   explicit HeldDevice(const DeviceParameters& parameters, double period, const Vec3& at = Vec3::Zero())
@@ -20,8 +19,16 @@ class HeldDevice {
   HeldDevice(const std::string& file, double period)
       : HeldDevice(loadDevice(std::string(ENAMEL_SOURCE_DIR "/data/devices/") + file), period) {}
 
+  /// Report this sample instead of the simulated ones, until the end of the object.
+  void show(const Measurement& sample) {
+    sample_ = sample;
+    isShown_ = true;
+  }
+  bool isShown() const noexcept { return isShown_; }
+
   /// Simulate one period with a wrench of the motors, and keep the sample of its begin.
   void advance(const Vec3& force, const Vec3& moment) {
+    if (isShown_) return;
     (void)device_.measure(sample_);
     Command command{JointVector::Zero(mechanism_->joints())};
     command.effort.head<3>() = force;
@@ -36,15 +43,11 @@ class HeldDevice {
     (void)device_.advance([&](double, const Pose& pose, const Vec6& twist) {
       Vec6 wrench;
       const Eigen::AngleAxisd left(Mat3(target * pose.rotation.transpose()));
-      wrench << 100.0 * (place - pose.position) - 5.0 * twist.head<3>() - push * Vec3::UnitZ(),
+      wrench << stiffness * (place - pose.position) - damping * twist.head<3>(),
           0.2 * left.angle() * left.axis() - 0.02 * twist.tail<3>();
       if (mechanism_->joints() == 3) wrench.tail<3>().setZero();
       return wrench;
     });
-    const double z = device_.state().position.z();
-    path.lowest = std::min(path.lowest, z);
-    path.sum += z;
-    ++path.count;
   }
 
   double time() const noexcept { return device_.time(); }
@@ -58,15 +61,8 @@ class HeldDevice {
     return k.pose;
   }
 
-  Vec3 place, turn = Vec3::Zero();  ///< of the hand, m and rad
-  double push = 0.0;                ///< against W's z, N
-  struct Path {
-    double lowest = 1e9, sum = 0.0;
-    int count = 0;
-
-    double mean() const noexcept { return sum / count; }
-  };
-  Path path;  ///< of the true z since its last reset, m
+  Vec3 place, turn = Vec3::Zero();          ///< of the hand, m and rad
+  double stiffness = 100.0, damping = 5.0;  ///< of the hand, N/m, N s/m
 
  private:
   static VirtualDeviceSetup setupOf(double period, const Vec3& at) {
@@ -80,6 +76,7 @@ class HeldDevice {
   std::shared_ptr<const Mechanism> mechanism_;
   VirtualDevice device_;
   Measurement sample_;
+  bool isShown_ = false;
 };
 
 }  // namespace enamel::test

@@ -14,7 +14,7 @@
 
 namespace enamel::test::recording_rig {
 
-inline constexpr std::size_t kHead = 24, kChunkHead = 32, kTick = 320;  // bytes, as on the page
+inline constexpr std::size_t kHead = 24, kChunkHead = 32, kTick = 344;  // bytes, as on the page
 
 inline std::uint32_t wordAt(const std::string& bytes, std::size_t at) {
   std::uint32_t word;

@@ -1,7 +1,4 @@
 // The first trial of a device: a good stand-in passes, and each single mistake of a driver is named.
-#include "enamel/session/first_touch.hpp"
-
-#include <deque>
 #include <filesystem>
 
 #include "enamel/core/error.hpp"
@@ -10,80 +7,39 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/first_touch_trial.hpp"
 
 namespace enamel::test_first_touch {
 
 using test::ContainsSubstring;
+using test::Mistake;
 
 namespace {
 
-enum class Mistake { none, sign, unit, axis, forceSign, forceUnit, forceAxis, delay, clock, lost };
-
-// A driver with one mistake around a virtual device in simulated time.
-class Driver final : public HapticDevice {
- public:
-  Driver(std::unique_ptr<HapticDevice> device, Mistake mistake) : device_(std::move(device)), mistake_(mistake) {}
-  Status measure(Measurement& m) noexcept override {
-    const Status status = device_->measure(m);
-    if (mistake_ == Mistake::sign) m.q[0] = -m.q[0], m.rates[0] = -m.rates[0];
-    if (mistake_ == Mistake::unit) m.q *= 0.1, m.rates *= 0.1;
-    if (mistake_ == Mistake::axis) std::swap(m.q[0], m.q[1]), std::swap(m.rates[0], m.rates[1]);
-    if (mistake_ == Mistake::clock) m.time *= 2.0;
-    return mistake_ == Mistake::lost && ++calls_ % 4 == 3 ? Status::stale : status;
-  }
-  Status actuate(const Command& command) noexcept override {
-    Command sent = command;
-    if (mistake_ == Mistake::forceSign) sent.effort[2] = -sent.effort[2];
-    if (mistake_ == Mistake::forceUnit) sent.effort *= 0.1;
-    if (mistake_ == Mistake::forceAxis) std::swap(sent.effort[0], sent.effort[2]);
-    if (mistake_ == Mistake::delay) {
-      late_.push_back(sent);
-      if (late_.size() < 6) return device_->actuate({JointVector::Zero(3)});
-      sent = late_.front();
-      late_.pop_front();
-    }
-    return device_->actuate(sent);
-  }
-
- private:
-  std::unique_ptr<HapticDevice> device_;
-  Mistake mistake_;
-  int calls_ = 0;
-  std::deque<Command> late_;
-};
-
-// A person who does as told: moves, holds loosely, and pushes.
-FirstTouchResult tryOut(Mistake mistake, const std::string& recording = "", int confirmations = 1000) {
-  Vec3 target = Vec3::Zero();
-  double grip = 300.0;  // N/m
+// Try a simulated stylus with a delay, ticks.
+FirstTouchResult tryOut(Mistake mistake, const std::string& recording = "", int confirmations = 1000, int delay = 0) {
+  struct Hand {
+    Vec3 place = Vec3::Zero();
+    double stiffness = 300.0;  // N/m
+  };
+  const auto hand = std::make_shared<Hand>();
   const auto mechanism = makeMechanism(loadDevice(test::deviceFile("cartesian-3.toml")));
   VirtualDeviceSetup setup;
   setup.encoders = {true, RateSource::lowPass, 100.0};
+  setup.delay = {delay, delay};
   OpenedDevice opened;
   opened.file = test::deviceFile("cartesian-3.toml");
   opened.text = readFile(opened.file);
   opened.mechanism = mechanism;
-  auto device = std::make_unique<SimulatedDevice>(
-      *mechanism, setup, [&target, &grip](double, const Pose& pose, const Vec6& twist) {
+  opened.delay = {0, delay};
+  opened.device =
+      std::make_unique<SimulatedDevice>(*mechanism, setup, [hand](double, const Pose& pose, const Vec6& twist) {
         Vec6 wrench = Vec6::Zero();
-        wrench.head<3>() = grip * (target - pose.position) - 4.0 * twist.head<3>();
+        wrench.head<3>() = hand->stiffness * (hand->place - pose.position) - 4.0 * twist.head<3>();
         return wrench;
       });
-  opened.device = std::make_unique<Driver>(std::move(device), mistake);
-  FirstTouchOptions options;
-  options.isSimulated = true;
-  options.moveTime = 1.0;
-  options.recording = recording;
-  return firstTouch(opened, options, [&](const std::string& request) {
-    const auto has = [&request](const char* word) { return request.find(word) != std::string::npos; };
-    grip = has("loosely") ? 30.0 : 300.0;
-    if (has("handle to the right")) target += Vec3(0.03, 0.0, 0.0);
-    if (has("handle up")) target += Vec3(0.0, 0.03, 0.0);
-    if (has("handle towards you")) target += Vec3(0.0, 0.0, 0.02);
-    if (has("loosely") || has("Lay")) target.setZero();
-    if (has("against")) target = Vec3(0.0, 0.0, -0.003);
-    return confirmations-- > 0;
-  });
+  const auto hold = [hand](const Vec3& place, double stiffness) { *hand = {place, stiffness}; };
+  return test::tryOut(std::move(opened), mistake, hold, recording, confirmations);
 }
 
 }  // namespace
@@ -103,23 +59,32 @@ TEST_CASE("a good driver passes the first trial, and the recording is kept", "[f
 }
 
 TEST_CASE("each single mistake of a driver stops the first trial, and is named", "[first_touch]") {
-  for (const auto& [mistake, words] :
-       {std::pair<Mistake, const char*>{
-            Mistake::sign, "the position moved along x by -29.98 mm, expected forwards (to the right): wrong sign"},
-        {Mistake::unit, "is its unit m?"},
-        {Mistake::axis, "the position moved along y"},
-        {Mistake::forceSign, "the handle moved along z"},
-        {Mistake::forceUnit, "unit of the forces"},
-        {Mistake::forceAxis, "the handle moved along z"},
-        {Mistake::delay, "the delay is"},
-        {Mistake::clock, "is their unit s?"},
-        {Mistake::lost, "of the samples are missing"}}) {
+  for (const auto& [mistake, words] : test::kMistakes) {
     const FirstTouchResult result = tryOut(mistake);
     INFO(result.report);
     CHECK_THAT(result.surprise, ContainsSubstring(words));
     CHECK_FALSE(result.isComplete);
     CHECK_THAT(result.report, ContainsSubstring("SURPRISE: " + result.surprise));
   }
+}
+
+TEST_CASE("the first trial measures the delay, and position control uses it", "[first_touch]") {
+  for (const int delay : {0, 1, 2, 3}) {
+    const FirstTouchResult result = tryOut(Mistake::none, "", 1000, delay);
+    INFO(result.report);
+    CHECK(result.isComplete);
+    CHECK_THAT(result.report, ContainsSubstring("add the option delay=" + std::to_string(delay) + " to the URL"));
+  }
+}
+
+TEST_CASE("the first trial asks whether the person moved a handle at rest", "[first_touch]") {
+  const auto mechanism = makeMechanism(loadDevice(test::deviceFile("cartesian-3.toml")));
+  OpenedDevice opened;
+  opened.mechanism = mechanism;
+  opened.device = std::make_unique<SimulatedDevice>(
+      *mechanism, VirtualDeviceSetup(), [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); });
+  CHECK_THAT(test::tryOut(std::move(opened), Mistake::none, [](const Vec3&, double) {}).surprise,
+             ContainsSubstring("the position did not change: did you move the handle"));
 }
 
 TEST_CASE("the person ends the first trial at any step", "[first_touch]") {

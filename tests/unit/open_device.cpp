@@ -61,7 +61,7 @@ TEST_CASE("a refusal names the URL, the cause and what is possible", "[open_devi
       "mouse://0",
       "unknown driver \"mouse\": no plugin folder is given; a path must end in .so; possible are virtual:FILE, udp://");
   refuses("virtual:?seed=1", "unknown option \"seed\", virtual has no options");
-  refuses("udp://localhost?devise=a", "unknown option \"devise\", possible are device, key");
+  refuses("udp://localhost?devise=a", "unknown option \"devise\", possible are delay, device, key");
   refuses("udp://localhost?device", "option \"device\" must be KEY=VALUE");
   refuses("udp://localhost?=a", "option \"=a\" must be KEY=VALUE");
   refuses("udp://localhost?key=a&key=b", "option \"key\" is given twice");
@@ -108,6 +108,18 @@ TEST_CASE("a served device is opened by URL", "[open_device]") {
   CHECK(opened.file == kStylus);
   const Command none{JointVector::Zero(3)};
   CHECK(test::eventually([&] { return opened.device->actuate(none) == Status::ok; }));
+}
+
+TEST_CASE("the delay of a URL replaces that of the driver", "[open_device]") {
+  const Served served;
+  for (const auto& [text, low, high] : {std::tuple{"3", 3, 3}, {"0..2", 0, 2}}) {
+    const OpenedDevice opened = openDevice(served.url(std::string("&delay=") + text));
+    CHECK(opened.delay.low == low);
+    CHECK(opened.delay.high == high);
+  }
+  for (const char* text : {"x", "-1", "2..1", "1..", "..1", "1.5", "64", ""})
+    CHECK_THROWS_WITH(openDevice(served.url(std::string("&delay=") + text)),
+                      ContainsSubstring(std::string("delay is \"") + text + "\", must be N or LOW..HIGH in 0 to 63"));
 }
 
 TEST_CASE("a session runs the device of its URL, again after stop()", "[open_device]") {

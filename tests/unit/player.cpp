@@ -259,9 +259,9 @@ TEST_CASE("player: ticks that were lost and chunks that are damaged are gaps", "
   Run other;
   record(other, folder / "cut.rec", 1000);
   std::string bytes = test::readFile(folder / "cut.rec");
-  const std::size_t last = 32 + 320 * (1000 - 7 * kChunkTicks);
+  const std::size_t last = 32 + 344 * (1000 - 7 * kChunkTicks);
   const std::size_t chunk =
-      32 + (RecordingReader(folder / "cut.rec").header().stateSize + 7) / 8 * 8 + 320 * kChunkTicks;
+      32 + (RecordingReader(folder / "cut.rec").header().stateSize + 7) / 8 * 8 + 344 * kChunkTicks;
   std::uint32_t header;
   std::memcpy(&header, bytes.data() + 12, sizeof(header));
   bytes[24 + header + 2 * chunk + 5000] ^= 1;

@@ -75,6 +75,10 @@ TEST_CASE("recording: every field there and back", "[recording]") {
         m.rates[1] = std::nan("7");
         m.applied = JointVector::Constant(3, 1e300);
         m.enabled = false;
+        m.gripper = -0.25;
+        m.heat = 0.5;
+        m.buttons = 0x80000001;
+        m.conditions = kForcesCut;
         status = rig.tick(m, rig.command);
       }
       recorder.add(7 * i, rig.measurement, rig.tick, rig.command, status, reset);
@@ -131,6 +135,10 @@ TEST_CASE("recording: every field there and back", "[recording]") {
       REQUIRE(t.measurement.applied.has_value() == k.m.applied.has_value());
       if (k.m.applied) CHECK(same(*t.measurement.applied, *k.m.applied));
       CHECK(t.measurement.enabled == k.m.enabled);
+      CHECK(t.measurement.gripper == k.m.gripper);
+      CHECK(t.measurement.heat == k.m.heat);
+      CHECK(t.measurement.buttons == k.m.buttons);
+      CHECK(t.measurement.conditions == k.m.conditions);
       CHECK(same(t.requested, k.requested));
       CHECK(same(t.command, k.command));
       CHECK(t.normalForce == k.force);
@@ -219,6 +227,39 @@ TEST_CASE("recording: a push replays bit for bit, from every chunk, and another 
   CHECK(changed.first->tick == 2 * kChunkTicks + 5);
 }
 
+TEST_CASE("recording: a file of version 1 is read, without what a device reports about itself", "[recording]") {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "a.rec";
+  Rig rig;
+  rig.measurement.buttons = 3;
+  {
+    Recorder recorder(file, {}, rig.tick);
+    rig.run(recorder, 300);
+    CHECK(recorder.close().ticks == 300);
+  }
+  constexpr std::size_t kOldTick = 320;
+  std::string bytes = test::readFile(file), old = bytes.substr(0, kHead + wordAt(bytes, 12));
+  setWord(old, 8, 1);
+  const std::size_t states = chunkSize(RecordingReader(file).header().stateSize) - kChunkTicks * kTick;
+  for (std::size_t at = old.size(); at < bytes.size();) {
+    const std::size_t ticks = wordAt(bytes, at + 24);
+    std::string chunk = bytes.substr(at, states);
+    for (std::size_t i = 0; i < ticks; ++i) chunk += bytes.substr(at + states + i * kTick, kOldTick);
+    setWord(chunk, 4, crc32(std::string_view(chunk).substr(8)));
+    old += chunk;
+    at += states + ticks * kTick;
+  }
+  test::writeFile(file, old);
+  const ReplayResult result = replayed(file);
+  CHECK(result.ticks == 300);
+  CHECK(result.different == 0);
+  CHECK(result.damaged == 0);
+  RecordedChunk chunk;
+  REQUIRE(RecordingReader(file).read(1, chunk) == "");
+  CHECK(chunk.ticks[5].measurement.buttons == 0);
+  CHECK_FALSE(chunk.ticks[5].measurement.gripper);
+}
+
 TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "[recording]") {
   const test::TemporaryFolder folder;
   const std::string file = folder / "full.rec";
@@ -253,7 +294,7 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
 
   // Full until the end: it is complete up to there, and missing ticks are reported.
   Rig other;
-  test::Disk small(100000);
+  test::Disk small(110000);
   Recorder full([&](const char* bytes, std::size_t size) { return small.write(bytes, size); }, "a disk", {},
                 other.tick);
   other.run(full, 10000);

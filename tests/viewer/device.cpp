@@ -1,5 +1,6 @@
 // A connected device in the viewer: it moves the tool, and the parts of a simulation are refused.
 #include <csignal>
+#include <filesystem>
 
 #include "viewer/running_viewer.hpp"
 
@@ -9,11 +10,18 @@ namespace {
 
 const std::string kNoDisplay = "-u DISPLAY -u WAYLAND_DISPLAY";
 
+// Replay the only recording of a folder. Return 0 if all ticks are equal, bit for bit.
+int replayStatus(const test::TemporaryFolder& folder) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(folder / "")))
+    if (entry.path().extension() == ".rec") return test::run("replay '" + entry.path().string() + "'").status;
+  return -1;
+}
+
 }  // namespace
 
 TEST_CASE("a connected device moves the tool of the viewer", "[viewer]") {
   const test::TemporaryFolder folder;
-  test::writeFile(folder / "script.txt", "0 push\n0 pause\n0 hand 0 0 5\n0 set delay 2\n3600 end\n");
+  test::writeFile(folder / "script.txt", "0 record\n0 push\n0 pause\n0 hand 0 0 5\n0 set delay 2\n3600 end\n");
   // The hand of the simulated device presses towards the wall from the start of the scene.
   test::RunningViewer viewer(folder,
                              test::shippedScene("flat-wall.toml") + " --headless --script '" + folder / "script.txt" +
@@ -29,6 +37,21 @@ TEST_CASE("a connected device moves the tool of the viewer", "[viewer]") {
   CHECK(report.at("opengl_errors") == 0);
   viewer.signal(SIGTERM);
   CHECK(viewer.wait() == 128 + SIGTERM);
+  CHECK(replayStatus(folder) == 0);
+}
+
+TEST_CASE("a bur cuts on a connected device, and its recording replays", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "script.txt", "0 record\n2 spin on\n3600 end\n");
+  test::RunningViewer viewer(
+      folder,
+      test::shippedScene("drill.toml") + " --headless --script '" + folder / "script.txt" + "' --device virtual:",
+      kNoDisplay);
+  (void)viewer.until("a cut of 0.1 mm^3",
+                     [](const nlohmann::json& now) { return now.at("removed [m^3]").get<double>() > 1e-10; });
+  viewer.signal(SIGTERM);
+  CHECK(viewer.wait() == 128 + SIGTERM);
+  CHECK(replayStatus(folder) == 0);
 }
 
 TEST_CASE("connections that the viewer refuses", "[viewer]") {
@@ -43,7 +66,6 @@ TEST_CASE("connections that the viewer refuses", "[viewer]") {
   };
   refuses("--device nothing://1", "device URL \"nothing://1\"");
   refuses("--device virtual: --gain servo.json", "--gain is for simulated devices");
-  refuses("--device virtual: " + test::shippedScene("drill.toml"), "a scene with a bur needs the simulated device");
 }
 
 }  // namespace enamel::test_device

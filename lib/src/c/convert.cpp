@@ -110,6 +110,7 @@ void toPlain(const Snapshot& in, EnamelSnapshot& out) noexcept {
   enamel::toPlain(tick.measurement.q, out.q);
   enamel::toPlain(tick.command.effort, out.command);
   out.gripper = tick.measurement.gripper.value_or(std::numeric_limits<double>::quiet_NaN());
+  out.heat = tick.measurement.heat;
   std::copy(in.removed.begin(), in.removed.end(), out.removed);
   out.missed = in.missed;
   out.held = in.held;
@@ -125,6 +126,7 @@ void toPlain(const Snapshot& in, EnamelSnapshot& out) noexcept {
   out.clutched = in.clutched ? 1 : 0;
   out.spins = in.spins ? 1 : 0;
   out.buttons = tick.measurement.buttons;
+  out.conditions = tick.measurement.conditions;
   out.contact_count = storedContacts(in.contacts.count);
   out.omitted_contacts = in.contacts.omitted;
   for (int i = 0; i < out.contact_count; ++i) enamel::toPlain(in.contacts.contacts[i], out.contacts[i]);

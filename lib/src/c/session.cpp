@@ -334,6 +334,9 @@ std::int32_t enamel_set_own_renderer(EnamelSession* session, const EnamelPlugin*
 std::int32_t enamel_set_effect(EnamelSession* session, const double* wrench) {
   return runWith(session, wrench != nullptr, [&](Session& s) { s.setEffect(c::twistOf(wrench)); });
 }
+std::int32_t enamel_set_gripper(EnamelSession* session, double force) {
+  return run(session, [&](Session& s) { s.setGripper(force); });
+}
 std::int32_t enamel_spin(EnamelSession* session, std::int32_t on) {
   return run(session, [&](Session& s) { s.spin(on != 0); });
 }
@@ -381,6 +384,10 @@ std::int32_t enamel_tick_spin(EnamelTickAccess* access, std::int32_t on) {
 std::int32_t enamel_tick_effect(EnamelTickAccess* access, const double* wrench) {
   if (access == nullptr || wrench == nullptr) return ENAMEL_NULL;
   return c::resultOf(access->access->setEffect(c::twistOf(wrench)));
+}
+std::int32_t enamel_tick_gripper(EnamelTickAccess* access, double force) {
+  if (access == nullptr) return ENAMEL_NULL;
+  return c::resultOf(access->access->setGripper(force));
 }
 
 std::int32_t enamel_virtual_create(EnamelSession* session, EnamelVirtualDevice** device) {

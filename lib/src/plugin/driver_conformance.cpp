@@ -245,6 +245,8 @@ class DriverChecks {
     demand(sample.q.allFinite() && sample.rates.allFinite(), name + " is not finite");
     demand(!sample.applied || sample.applied->allFinite(), name + ": the applied effort is not finite");
     demand(!sample.gripper || std::isfinite(*sample.gripper), name + ": the gripper is not finite");
+    demand(sample.heat >= 0.0 && sample.heat < 10.0,
+           name + ": the heat is " + formatNumber(sample.heat) + ", must be a share of the limit of the motors");
     demand(sample.rates.cwiseAbs().maxCoeff() < kLargestSpeed,
            name + ": a rate is " + formatNumber(sample.rates.cwiseAbs().maxCoeff()) + "; are the units SI?");
     Kinematics kinematics = mechanism_->home();

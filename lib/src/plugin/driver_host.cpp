@@ -1,7 +1,10 @@
 #include "enamel/plugin/driver_host.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <sstream>
+#include <thread>
 
 #include "enamel/device/device_file.hpp"
 #include "plugin/library.hpp"
@@ -12,6 +15,8 @@ namespace {
 
 constexpr int kLongestDelay = 63;  // ticks
 constexpr std::size_t kListBytes = 16384;
+constexpr std::chrono::milliseconds kLook{10};        // between two looks for a lost device
+constexpr std::chrono::milliseconds kOpenAgain{250};  // between two attempts to open it again
 
 void checkTable(const std::string& path, const EnamelDriver& table) {
   plugin::checkVersion(path, table.abi_version, ENAMEL_DRIVER_ABI_VERSION, ENAMEL_DRIVER_ABI_VERSION);
@@ -54,7 +59,8 @@ std::vector<EnamelParameter> parametersOf(const DriverLibrary& library,
   return parameters;
 }
 
-// A connected device; its end disconnects.
+// A connected device; its end disconnects. If measure() finds the device lost, a thread of its own closes it and opens
+// it again until that succeeds. Until then the tick calls no function of the driver.
 class ConnectedDevice final : public HapticDevice {
  public:
   ConnectedDevice(std::shared_ptr<const DriverLibrary> library, const std::string& address,
@@ -73,14 +79,36 @@ class ConnectedDevice final : public HapticDevice {
       throw PluginError(library_->path() + ": " + error.what());
     }
   }
-  ~ConnectedDevice() override { library_->table().disconnect(&connected_); }
+  ~ConnectedDevice() override {
+    close();
+    library_->table().disconnect(&connected_);
+  }
   ConnectedDevice(const ConnectedDevice&) = delete;
   ConnectedDevice& operator=(const ConnectedDevice&) = delete;
 
-  void open() override { device_->open(); }
-  void close() noexcept override { device_->close(); }
-  Status measure(Measurement& measurement) noexcept override { return device_->measure(measurement); }
-  Status actuate(const Command& command) noexcept override { return device_->actuate(command); }
+  void open() override {
+    close();
+    device_->open();
+    isOpen_ = true;
+    watch_ = std::thread([this] { watch(); });
+  }
+  void close() noexcept override {
+    if (!watch_.joinable()) return;
+    isOpen_ = false;
+    watch_.join();
+    isLost_ = false;
+    device_->close();
+  }
+  Status measure(Measurement& measurement) noexcept override {
+    if (isLost_) return Status::inactive;
+    const Status status = device_->measure(measurement);
+    // The last access to the driver by this thread, until watch() has opened the device again.
+    if (isOpen_ && status != Status::ok && status != Status::stale) isLost_ = true;
+    return status;
+  }
+  Status actuate(const Command& command) noexcept override {
+    return isLost_ ? Status::inactive : device_->actuate(command);
+  }
 
   const EnamelConnected& connected() const noexcept { return connected_; }
   const std::shared_ptr<const Mechanism>& mechanism() const noexcept { return mechanism_; }
@@ -98,10 +126,25 @@ class ConnectedDevice final : public HapticDevice {
                   std::to_string(connected_.delay_high) + " ticks, must be in 0 to " + std::to_string(kLongestDelay));
   }
 
+  void watch() noexcept {
+    for (auto tried = std::chrono::steady_clock::time_point(); isOpen_; std::this_thread::sleep_for(kLook)) {
+      if (!isLost_ || std::chrono::steady_clock::now() - tried < kOpenAgain) continue;
+      tried = std::chrono::steady_clock::now();
+      device_->close();
+      try {
+        device_->open();
+        isLost_ = false;
+      } catch (const Error&) {  // still unplugged
+      }
+    }
+  }
+
   std::shared_ptr<const DriverLibrary> library_;
   EnamelConnected connected_{};
   std::shared_ptr<const Mechanism> mechanism_;
   std::unique_ptr<HapticDevice> device_;
+  std::atomic<bool> isOpen_{false}, isLost_{false};
+  std::thread watch_;  // while open
 };
 
 }  // namespace

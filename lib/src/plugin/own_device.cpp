@@ -37,6 +37,7 @@ class OwnDevice final : public HapticDevice {
     return statusOf(result);
   }
   Status actuate(const Command& command) noexcept override {
+    if (callbacks_.grip != nullptr) (void)callbacks_.grip(callbacks_.user, command.gripper);
     return statusOf(callbacks_.actuate(callbacks_.user, command.effort.data(), joints_));
   }
 

@@ -29,6 +29,8 @@ inline Measurement measurementOf(const EnamelMeasurement& in, int joints) noexce
   out.enabled = in.enabled != 0;
   out.buttons = in.buttons;
   if (in.has_gripper != 0) out.gripper = in.gripper;
+  out.conditions = in.conditions;
+  out.heat = in.heat;
   out.failed = in.failed != 0;
   out.age = out.failed ? std::max(in.age, std::int32_t{1}) : in.age;
   return out;
@@ -48,6 +50,8 @@ inline void toPlain(const Measurement& in, EnamelMeasurement& out) noexcept {
   out.enabled = in.enabled ? 1 : 0;
   out.failed = in.failed ? 1 : 0;
   out.buttons = in.buttons;
+  out.conditions = in.conditions;
+  out.heat = in.heat;
 }
 
 /// Make a HapticDevice of a table in C. Throws Error if its size is wrong, or measure or actuate is missing.

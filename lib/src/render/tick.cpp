@@ -41,6 +41,7 @@ Status HapticTick::operator()(const Measurement& measurement, Command& command) 
   const Status status = isNext ? tick(measurement) : tick(adjusted(measurement));
   if (measurement.age == 0 && sampleTime_ != kNever) sampleTime_ = measurement.time;  // also if it was moved
   command.effort = frame_.command;
+  command.gripper = guard_.fault() == GuardReason::none ? guard_.weight() * gripper_ : 0.0;
   return status;
 }
 

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <system_error>
 
 #include "core/message.hpp"
@@ -132,6 +133,10 @@ void Recorder::add(std::uint64_t number, const Measurement& measurement, const H
   t.flags = static_cast<std::uint8_t>(
       (measurement.enabled ? kEnabled : 0) | (output.saturated ? kSaturated : 0) | (reset ? kReset : 0) |
       (tick.drill() != nullptr && tick.drill()->spins() ? kSpins : 0) | (measurement.failed ? kFailed : 0));
+  t.gripper = measurement.gripper.value_or(std::numeric_limits<double>::quiet_NaN());
+  t.heat = measurement.heat;
+  t.buttons = measurement.buttons;
+  t.conditions = measurement.conditions;
   t.age = static_cast<std::uint8_t>(std::clamp(measurement.age, 0, 255));
   std::memcpy(chunkAt(now) + sizeof(ChunkHead) + padded(header_.stateSize) + ticks_ * sizeof(t), &t, sizeof(t));
   if (++ticks_ < kChunkTicks) return;

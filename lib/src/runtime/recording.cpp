@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <variant>
 
@@ -194,6 +195,10 @@ RecordedTick tickOf(const TickBytes& t, int joints) {
   tick.measurement.enabled = (t.flags & kEnabled) != 0;
   tick.measurement.age = t.age;
   tick.measurement.failed = (t.flags & kFailed) != 0;
+  if (!std::isnan(t.gripper)) tick.measurement.gripper = t.gripper;
+  tick.measurement.heat = t.heat;
+  tick.measurement.buttons = t.buttons;
+  tick.measurement.conditions = t.conditions;
   tick.requested = vector(t.requested, joints);
   tick.command = vector(t.command, joints);
   tick.normalForce = t.normalForce;
@@ -286,9 +291,10 @@ RecordingReader::RecordingReader(const std::string& path) : path_(path), file_(s
       refuse("is not a recording");
     std::uint32_t words[4];
     std::memcpy(words, preamble + sizeof(kMagic), sizeof(words));
-    if (words[0] != kVersion)
-      refuse("is a recording of version " + std::to_string(words[0]) + ", this program reads " +
+    if (words[0] < 1 || words[0] > kVersion)
+      refuse("is a recording of version " + std::to_string(words[0]) + ", this program reads 1 to " +
              std::to_string(kVersion));
+    tickSize_ = words[0] == 1 ? kFirstTickBytes : sizeof(TickBytes);
     if (words[1] > kLargestHeader || words[1] > size_ - kPreamble)
       refuse("has a header of " + std::to_string(words[1]) + " bytes, the file is too short for it");
     std::string text(words[1], '\0');
@@ -296,7 +302,7 @@ RecordingReader::RecordingReader(const std::string& path) : path_(path), file_(s
       refuse("its header is damaged");
     header_ = parseHeader(text, path_);
     begin_ = kPreamble + text.size();
-    chunkSize_ = sizeof(ChunkHead) + padded(header_.stateSize) + kChunkTicks * sizeof(TickBytes);
+    chunkSize_ = sizeof(ChunkHead) + padded(header_.stateSize) + kChunkTicks * tickSize_;
     chunks_ = (size_ - begin_ + chunkSize_ - 1) / chunkSize_;
   } catch (...) {
     system::close(file_);
@@ -321,7 +327,7 @@ std::string RecordingReader::read(std::uint64_t number, RecordedChunk& chunk) {
     return cutOff;
   std::memcpy(&head, buffer_.data(), sizeof(head));
   if (head.mark != kChunkMark || head.ticks > kChunkTicks) return damaged("is damaged");
-  const std::size_t size = sizeof(head) + states + head.ticks * sizeof(TickBytes);
+  const std::size_t size = sizeof(head) + states + head.ticks * tickSize_;
   if (buffer_.size() < size) return cutOff;
   const std::string_view content = std::string_view(buffer_).substr(kChunkCrcBegin, size - kChunkCrcBegin);
   if (crc32(content) != head.crc) return damaged("is damaged");
@@ -337,8 +343,9 @@ std::string RecordingReader::read(std::uint64_t number, RecordedChunk& chunk) {
   if (head.ticks > 0) read.state = buffer_.substr(sizeof(head), header_.stateSize);
   read.ticks.reserve(head.ticks);
   for (std::size_t i = 0; i < head.ticks; ++i) {
-    TickBytes tick;
-    std::memcpy(&tick, buffer_.data() + sizeof(head) + states + i * sizeof(tick), sizeof(tick));
+    TickBytes tick{};
+    tick.gripper = std::numeric_limits<double>::quiet_NaN();
+    std::memcpy(&tick, buffer_.data() + sizeof(head) + states + i * tickSize_, tickSize_);
     if (!isWhole(tick)) return damaged("has an invalid tick");
     read.ticks.push_back(tickOf(tick, header_.joints));
   }

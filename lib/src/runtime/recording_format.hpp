@@ -12,7 +12,7 @@ namespace enamel::recording {
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "numbers are copied as they are: little-endian");
 
 inline constexpr char kMagic[8] = {'E', 'N', 'A', 'M', 'E', 'L', 'R', '\n'};
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 inline constexpr std::size_t kPreamble = 24;  // magic, version, length of the header, its CRC-32, 0
 inline constexpr std::size_t kLargestHeader = std::size_t{4} << 20, kLargestState = std::size_t{1} << 20;
 
@@ -35,8 +35,11 @@ struct TickBytes {
   std::uint64_t stateHash;
   std::uint8_t sizes[3];                          // of q, rates, applied
   std::uint8_t status, reason, mode, flags, age;  // age of the sample, at most 255 periods
+  double gripper, heat;                           // gripper: NaN without one
+  std::uint32_t buttons, conditions;
 };
-static_assert(sizeof(TickBytes) == 320);
+static_assert(sizeof(TickBytes) == 344);
+inline constexpr std::size_t kFirstTickBytes = 320;  // of version 1: without gripper and all after it
 inline constexpr std::uint8_t kEnabled = 1, kSaturated = 2, kReset = 4, kSpins = 8, kFailed = 16;
 
 inline constexpr std::size_t kChunkCrcBegin = 8;  // after mark and CRC

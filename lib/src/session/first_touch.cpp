@@ -26,6 +26,7 @@ constexpr double kRest = 1.0, kPush = 0.06, kAfter = 0.3, kWall = 4.0;  // s, of
 constexpr double kMostLost = 0.1;                                       // share of the ticks
 constexpr double kClockError = 0.05;                                    // of the time stamps
 constexpr double kShortestMove = 0.01, kLongestMove = 0.2;              // m, of a motion "by about 5 cm"
+constexpr double kStill = 1e-4;                                         // m
 constexpr double kSmallPush = 0.1, kMediumPush = 0.5;                   // N
 constexpr double kMassFactor = 4.0;                                     // between the file and the measurement
 constexpr int kDelayError = 2, kMostDelay = 12;                         // ticks
@@ -128,6 +129,10 @@ class Trial {
            text("%.1f, %.1f, %.1f mm", 1e3 * way.x(), 1e3 * way.y(), 1e3 * way.z()) + ", buttons " +
            std::to_string(buttons));
       requireNoFault(log);
+      if (way.norm() < kStill)
+        throw Surprise{
+            "the position did not change: did you move the handle, and does the vendor's own program show "
+            "its position?"};
       requireAlong(way, axis, "position", kDirections[axis]);
       if (way.norm() < kShortestMove || way.norm() > kLongestMove)
         throw Surprise{text("the position changed by %.4g m instead of about 0.05 m: is its unit m?", way.norm())};
@@ -150,7 +155,10 @@ class Trial {
     const double period = 1.0 / options_.rate;
     ImpedanceRenderer soft({kSoftWall, 0.0});
     if (!wall(soft, kImpedance, {{"stiffness", formatNumber(kSoftWall)}}, "a soft wall of 300 N/m", "")) return false;
-    const int low = opened_.delay.low, high = opened_.delay.high;
+    const auto [lowest, highest] = std::minmax_element(delays_.begin(), delays_.end());
+    const int low = *lowest, high = *highest;
+    const std::string measured = std::to_string(low) + (high > low ? ".." + std::to_string(high) : "");
+    note("position control assumes the measured delay; add the option delay=" + measured + " to the URL");
     PositionControlRenderer hard(positionControlFor(*opened_.mechanism, period, low, high));
     return wall(hard, kPositionControl, {{"delay", std::to_string(low)}, {"delay-high", std::to_string(high)}},
                 "a hard wall", options_.recording);
@@ -230,7 +238,8 @@ class Trial {
     const auto isPushed = [](const Sample& sample) { return sample.force.norm() > 0.03; };
     const auto first = static_cast<std::size_t>(std::find_if(s.begin(), s.end(), isPushed) - s.begin());
     const auto length = static_cast<std::size_t>(kPush * options_.rate);
-    if (first == s.size() || first + length >= s.size()) throw Surprise{"the push of the loop did not act"};
+    if (first == s.size() || first + length + length / 2 >= s.size())
+      throw Surprise{"the push of the loop did not act"};
     // A hand that drifts is subtracted: its velocity before the push.
     const std::size_t before = first - std::min(first, length);
     const Vec3 drift = first > before
@@ -250,11 +259,12 @@ class Trial {
     requireAlong(end, axis, "handle", kDirections[axis]);
     if (force <= kMediumPush) return;
 
-    const auto [mass, delay] = fit(s, first, length / 2, axis, motion);
+    const auto [mass, delay] = fit(s, first, length + length / 2, axis, step, motion);
     const Kinematics& home = opened_.mechanism->home();
     const double wanted = effectiveMass(home, home.pose.position, Vec3::Unit(axis));
     note("  " + text("apparent mass %.3f kg (file %.3f kg), ", mass, wanted) + "delay " + std::to_string(delay) +
          " ticks (stated " + std::to_string(opened_.delay.low) + " to " + std::to_string(opened_.delay.high) + ")");
+    delays_.push_back(delay);
     if (!(mass > wanted / kMassFactor && mass < wanted * kMassFactor))
       throw Surprise{name + text(": the apparent mass is %.3f kg, the device file has %.3f kg: unit of the forces, or "
                                  "the file?",
@@ -269,28 +279,32 @@ class Trial {
     int delay = 0;      // ticks
   };
 
-  // Fit x = F2 / m - b X / m: F2 is the double integral of the delayed force, X that of the motion. Choose the delay
-  // with the smallest residual. b is the damping of the hand.
+  // Fit m x'' = F - b x' - k x - f: damping and stiffness of the hand, friction of the device, integrated twice. F is
+  // delayed; f acts once the handle moves. Choose the delay with the smallest residual. The motion after the push
+  // separates the force from the friction.
   template <typename Motion>
-  Fit fit(const std::vector<Sample>& s, std::size_t first, std::size_t length, int axis, const Motion& motion) const {
+  Fit fit(const std::vector<Sample>& s, std::size_t first, std::size_t length, int axis, double step,
+          const Motion& motion) const {
     Fit best;
     double smallest = std::numeric_limits<double>::infinity();
+    const double period = 1.0 / options_.rate;
     for (int d = 0; d <= kMostDelay; ++d) {
-      double velocity = 0.0, position = 0.0, integral = 0.0, own = 0.0;
-      Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-      Eigen::Vector2d right = Eigen::Vector2d::Zero();
+      Eigen::Vector4d once = Eigen::Vector4d::Zero(), twice = once;  // integrals of F, -x', -x and -1
+      Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+      Eigen::Vector4d right = Eigen::Vector4d::Zero();
+      double own = 0.0;
       for (std::size_t i = 1; i <= length; ++i) {
         const std::size_t now = first + i - 1, source = now - std::min(now, static_cast<std::size_t>(d));
-        const double force = s[source].force[axis], x = motion(i)[axis];
-        position += (velocity + 0.5 * force / options_.rate) / options_.rate;
-        velocity += force / options_.rate;
-        integral += 0.5 * (x + motion(i - 1)[axis]) / options_.rate;
-        const Eigen::Vector2d row(position, -integral);
-        normal += row * row.transpose();
-        right += x * row;
+        const double x = motion(i)[axis], before = motion(i - 1)[axis];
+        const Eigen::Vector4d rate(s[source].force[axis], 0.0, -0.5 * (x + before), std::abs(x) > step ? -1.0 : 0.0);
+        twice += period * (once + 0.5 * period * rate);
+        once += period * rate;
+        twice[1] -= period * 0.5 * (x + before);
+        normal += twice * twice.transpose();
+        right += x * twice;
         own += x * x;
       }
-      const Eigen::Vector2d solution = normal.ldlt().solve(right);
+      const Eigen::Vector4d solution = normal.ldlt().solve(right);
       const double residual = own - right.dot(solution);
       if (!(residual < smallest)) continue;
       smallest = residual;
@@ -325,6 +339,7 @@ class Trial {
   OpenedDevice& opened_;
   const FirstTouchOptions& options_;
   const std::function<bool(const std::string&)>& ask_;
+  std::vector<int> delays_;  // measured by the last pushes, ticks
 };
 
 }  // namespace

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cstring>
+#include <iterator>
+#include <string_view>
 #include <thread>
 
 #include "core/message.hpp"
@@ -57,6 +60,24 @@ std::string optionOf(const DeviceUrl& url, const char* key) {
   return found == url.options.end() ? std::string() : found->second;
 }
 
+// Read "N" or "LOW..HIGH", ticks.
+Delay delayOf(const std::string& text) {
+  constexpr const char* kBetween = "..";
+  const std::size_t dots = text.find(kBetween);
+  const auto number = [](std::string_view digits) {
+    int value = -1;
+    const auto [rest, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return error == std::errc{} && rest == digits.data() + digits.size() ? value : -1;
+  };
+  const std::string_view whole = text;
+  Delay delay;
+  delay.low = number(whole.substr(0, dots));
+  delay.high = dots == std::string::npos ? delay.low : number(whole.substr(dots + std::strlen(kBetween)));
+  require(delay.low >= 0 && delay.low <= delay.high && delay.high <= kMaxDelay,
+          "delay is \"" + text + "\", must be N or LOW..HIGH in 0 to " + std::to_string(kMaxDelay) + " ticks");
+  return delay;
+}
+
 // Read the device file, or the nominal TAU if `file` is empty.
 OpenedDevice describe(const std::string& file) {
   OpenedDevice opened;
@@ -92,7 +113,7 @@ void awaitServer(HapticDevice& device) {
 double pollOf(const OpenDeviceOptions& options) { return std::max(kShortestPoll, 0.25 * options.period); }
 
 OpenedDevice openUdp(const DeviceUrl& url, const OpenDeviceOptions& options) {
-  requireOptions(url, {"device", "key"});
+  requireOptions(url, {"delay", "device", "key"});
   const std::size_t colon = url.address.rfind(':');
   const std::string host = url.address.substr(0, colon);
   std::uint16_t port = kDevicePort;
@@ -120,7 +141,7 @@ struct Scheme {
 constexpr Scheme kSchemes[] = {
     {kVirtualScheme, "virtual:FILE",
      "simulated device of a device file, held by a simulated hand; without FILE, the nominal TAU", openVirtual},
-    {"udp", "udp://HOST:PORT?device=FILE&key=FILE",
+    {"udp", "udp://HOST:PORT?device=FILE&key=FILE&delay=N",
      "driver in another process, language or machine, such as enamel device --serve", openUdp},
 };
 
@@ -142,6 +163,7 @@ OpenedDevice openWithDriver(DeviceUrl url, const OpenDeviceOptions& options) {
   const auto library = driverOf(url, options.pluginFolder);
   const std::string file = optionOf(url, "device");
   url.options.erase("device");
+  url.options.erase("delay");
   DriverDevice driver = connectDriver(library, url.address, url.options);
   OpenedDevice opened;
   if (file.empty()) {
@@ -187,9 +209,13 @@ DeviceUrl parseDeviceUrl(const std::string& text) {
 OpenedDevice openDevice(const std::string& text, const OpenDeviceOptions& options) {
   const DeviceUrl url = parseDeviceUrl(text);
   return naming(url, [&] {
-    for (const Scheme& scheme : kSchemes)
-      if (url.scheme == scheme.name) return scheme.open(url, options);
-    return openWithDriver(url, options);
+    const auto* const scheme = std::find_if(std::begin(kSchemes), std::end(kSchemes),
+                                            [&](const Scheme& each) { return url.scheme == each.name; });
+    const auto found = url.options.find("delay");
+    const Delay delay = found != url.options.end() ? delayOf(found->second) : Delay{};
+    OpenedDevice opened = scheme != std::end(kSchemes) ? scheme->open(url, options) : openWithDriver(url, options);
+    if (found != url.options.end()) opened.delay = delay;
+    return opened;
   });
 }
 

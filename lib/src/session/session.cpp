@@ -385,6 +385,14 @@ void Session::setEffect(const Vec6& wrench) {
   impl_->post([s = impl_.get(), wrench]() noexcept { s->setEffect(wrench); });
 }
 
+void Session::setGripper(double force) {
+  require(std::abs(force) <= kLargestEffect,
+          "session: the force of the gripper must be finite and at most " + formatNumber(kLargestEffect) + " N");
+  const Lock lock = impl_->lock();
+  impl_->requireRoom();
+  impl_->post([s = impl_.get(), force]() noexcept { s->haptics->setGripper(force); });
+}
+
 void Session::spin(bool on) {
   const Lock lock = impl_->lock();
   impl_->requireRoom();

@@ -286,6 +286,13 @@ Status TickAccess::setEffect(const Vec6& wrench) noexcept {
   return Status::ok;
 }
 
+Status TickAccess::setGripper(double force) noexcept {
+  if (!std::isfinite(force)) return Status::notFinite;
+  if (std::abs(force) > kLargestEffect) return Status::outOfRange;
+  session_.haptics->setGripper(force);
+  return Status::ok;
+}
+
 const char* toString(EventKind kind) noexcept {
   switch (kind) {
     case EventKind::contactBegin: return "contact begins";

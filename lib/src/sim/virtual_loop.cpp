@@ -4,6 +4,23 @@
 
 namespace enamel {
 
+void describe(const TickFrame& tick, const Kinematics& device, const Scene& scene, const Tool& tool, ToolCache* cache,
+              TickRecord& record) noexcept {
+  record.pose = device.pose;
+  record.twist = device.twist;
+  record.requested = tick.output.torque;
+  record.command = tick.command;
+  record.rendered = wrenchOf(device, record.torque - device.gravity);
+  record.nearest = nearestContact(scene, tool, device.pose, cache);
+  record.gapRate = record.nearest.normal.dot(contactVelocity(device, record.nearest));
+  record.normalForce = tick.reason == GuardReason::none
+                           ? tick.output.normalForce
+                           : record.nearest.normal.dot(wrenchOf(device, record.command - device.gravity).head<3>());
+  record.mode = tick.output.mode;
+  record.saturated = tick.output.saturated;
+  record.guard = tick.reason;
+}
+
 void checkLoop(const LoopSetup& setup) {
   checkVirtualDevice(setup);
   require(!setup.scene.obstacles().empty(), "the scene has no obstacle");
@@ -30,6 +47,8 @@ VirtualLoop::VirtualLoop(std::unique_ptr<Plant> plant, const Mechanism& model, R
     : scene_((checkLoop(setup), setup.scene)),
       tool_(setup.tool),
       device_(std::move(plant), setup),
+      wrapped_(setup.wrapper ? setup.wrapper(device_) : nullptr),
+      driver_(wrapped_ ? *wrapped_ : device_),
       tick_(model, scene_, tool_, renderer, guardOf(device_.plant().mechanism(), model, setup), setup.start),
       trueCache_(makeToolCache(scene_, tool_)) {}
 
@@ -55,7 +74,7 @@ Status VirtualLoop::tick(const ExternalWrench& before, double instant, const Ext
 
 // Everything up to the torque that acts during this tick.
 Status VirtualLoop::react(TickRecord& record) noexcept {
-  const Status measured = device_.measure(measurement_);
+  const Status measured = driver_.measure(measurement_);
   if (measured != Status::ok && measured != Status::stale) return measured;
   if (measured == Status::ok) {
     measurement_.age = 0;
@@ -64,26 +83,13 @@ Status VirtualLoop::react(TickRecord& record) noexcept {
     measurement_.time = device_.time();
   }
   record.status = tick_(measurement_, command_);
-  if (const Status status = device_.actuate(command_); status != Status::ok) return status;
+  if (const Status status = driver_.actuate(command_); status != Status::ok) return status;
 
-  const Kinematics& truth = device_.kinematics();
   record.tick = device_.tick();
   record.time = device_.time();
-  record.pose = truth.pose;
-  record.twist = truth.twist;
   record.q = measurement_.q;
-  record.requested = tick_.frame().output.torque;
-  record.command = command_.effort;
-  record.guard = tick_.frame().reason;
   record.torque = device_.torque();
-  record.rendered = wrenchOf(truth, record.torque - truth.gravity);
-  record.nearest = nearestContact(scene_, tool_, truth.pose, &trueCache_);
-  record.gapRate = record.nearest.normal.dot(contactVelocity(truth, record.nearest));
-  record.normalForce = record.guard == GuardReason::none
-                           ? tick_.frame().output.normalForce
-                           : record.nearest.normal.dot(wrenchOf(truth, record.command - truth.gravity).head<3>());
-  record.mode = tick_.frame().output.mode;
-  record.saturated = tick_.frame().output.saturated;
+  describe(tick_.frame(), device_.kinematics(), scene_, tool_, &trueCache_, record);
   return Status::ok;
 }
 

@@ -89,6 +89,7 @@ void addWallTrials(const StudyPlan& plan, const std::vector<std::string>& trials
     setup.model = column.model ? column.model : column.plant;
     setup.renderer = [&column] { return column.make(0); };
     setup.makePlant = column.makePlant;
+    setup.wrapper = push.wrapper;
     setup.period = column.period > 0.0 ? column.period : push.period;
     const int ticks = static_cast<int>(std::lround(push.period / setup.period));
     setup.delay = {push.delay.low * ticks, push.delay.high * ticks};

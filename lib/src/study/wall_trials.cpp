@@ -11,7 +11,6 @@
 #include "enamel/control/first_impact.hpp"
 #include "enamel/control/tuning.hpp"
 #include "enamel/sim/hand.hpp"
-#include "enamel/sim/virtual_loop.hpp"
 #include "enamel/study/metrics.hpp"
 #include "enamel/study/parallel.hpp"
 
@@ -58,6 +57,7 @@ bool perform(const Context& c, const Hand& hand, const std::function<bool(int, c
   if (hand.second) loopSetup.scene.add(halfSpace("second wall", Vec3::Zero(), *hand.second));
   loopSetup.start.position = hand.height * hand.normal;
   loopSetup.encoders = {true, RateSource::difference};
+  loopSetup.wrapper = s.wrapper;
   loopSetup.delay = s.delay;
   loopSetup.period = s.period;
   loopSetup.seed = s.seed;

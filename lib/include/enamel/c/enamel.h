@@ -219,6 +219,7 @@ typedef struct EnamelSnapshot {
   double q[ENAMEL_MAX_JOINTS];       /* as measured */
   double command[ENAMEL_MAX_JOINTS]; /* torque of the motors, N m or N */
   double gripper;                    /* rad; NaN: none */
+  double heat;                       /* as EnamelMeasurement */
   double removed[ENAMEL_MAX_LAYERS]; /* material removed since the start, m^3 by layer */
   uint64_t missed, held, dropped_events, lost_cuts;
   uint64_t unsent;   /* commands that the device of enamel_start_device() refused */
@@ -228,7 +229,7 @@ typedef struct EnamelSnapshot {
   int32_t reason;    /* of the guard for this tick: enamel_reason_text() */
   int32_t fault;     /* latched; 0: none */
   int32_t enabled, clutched, spins;
-  uint32_t buttons;
+  uint32_t buttons, conditions;
   int32_t contact_count;    /* near contacts: those with a gap above 0 do not touch */
   int32_t omitted_contacts; /* further ones for which there was no room */
   EnamelContact contacts[ENAMEL_MAX_CONTACTS];
@@ -330,6 +331,8 @@ ENAMEL_API int32_t enamel_set_renderer(EnamelSession* session, const char* name,
 ENAMEL_API int32_t enamel_set_own_renderer(EnamelSession* session, const EnamelPlugin* table,
                                            const EnamelParameter* parameters, size_t parameter_count);
 ENAMEL_API int32_t enamel_set_effect(EnamelSession* session, const double* wrench);
+/* Force of the gripper's motor, N, opening it. The device cuts it at its limit. */
+ENAMEL_API int32_t enamel_set_gripper(EnamelSession* session, double force);
 ENAMEL_API int32_t enamel_spin(EnamelSession* session, int32_t on);
 ENAMEL_API int32_t enamel_clutch(EnamelSession* session, int32_t on);
 ENAMEL_API int32_t enamel_enable(EnamelSession* session, int32_t on);
@@ -344,6 +347,7 @@ ENAMEL_API int32_t enamel_tick_move(EnamelTickAccess* access, EnamelObstacle obs
 ENAMEL_API int32_t enamel_tick_activate(EnamelTickAccess* access, EnamelObstacle obstacle, int32_t active);
 ENAMEL_API int32_t enamel_tick_spin(EnamelTickAccess* access, int32_t on);
 ENAMEL_API int32_t enamel_tick_effect(EnamelTickAccess* access, const double* wrench);
+ENAMEL_API int32_t enamel_tick_gripper(EnamelTickAccess* access, double force);
 
 /* A simulated device for an own loop, at rest at the session's start, with exact time steps. The session must outlive
  * it. measure -> enamel_tick -> actuate -> advance: the hand's wrench (N, N m, in the device's frame) acts for one

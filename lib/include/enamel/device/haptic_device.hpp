@@ -10,6 +10,17 @@
 
 namespace enamel {
 
+/// Reports of a device about itself: bits of Measurement::conditions.
+enum DeviceCondition : std::uint32_t {
+  kForcesCut = 1,     ///< it has cut its forces by itself, for example because a motor is hot
+  kUncalibrated = 2,  ///< its positions may be wrong
+};
+
+/// Return a condition in plain words. Realtime: yes.
+constexpr const char* toString(DeviceCondition condition) noexcept {
+  return condition == kForcesCut ? "the device has cut its forces by itself" : "the device is not calibrated";
+}
+
 /// One measurement of a device. A tick without a new sample is a normal tick: `age` is then above 0, and the tick
 /// predicts the state.
 struct Measurement {
@@ -21,6 +32,8 @@ struct Measurement {
   bool enabled = true;            ///< the user's enable, such as a dead man's switch; true if the device has none
   std::uint32_t buttons = 0;      ///< bit i: button i is pressed
   std::optional<double> gripper;  ///< opening angle, rad; empty if the device has none
+  std::uint32_t conditions = 0;   ///< DeviceCondition
+  double heat = 0.0;              ///< of the hottest motor: share of its limit; 0 if the device does not report it
   /// Age of the sample, periods. 0: a new sample. Above 0: `q`, `rates` and `applied` are ignored.
   int age = 0;
   bool failed = false;  ///< the driver cannot continue (`age` is above 0): the guard's fault `device`
@@ -28,7 +41,8 @@ struct Measurement {
 
 /// One command to a device.
 struct Command {
-  JointVector effort;  ///< motor torque or force, N m or N
+  JointVector effort;    ///< motor torque or force, N m or N
+  double gripper = 0.0;  ///< force of the gripper's motor, N, opening it; devices without one ignore it
 };
 
 /// A device that is measured and then actuated once a tick, between open() and close(). The virtual device and all

@@ -28,6 +28,12 @@ extern "C" {
 /* Name of the exported function. */
 #define ENAMEL_DRIVER_SYMBOL "enamel_driver"
 
+/* Reports of a device about itself: bits of EnamelMeasurement.conditions. */
+enum EnamelCondition {
+  ENAMEL_FORCES_CUT = 1,  /* it has cut its forces by itself, for example because a motor is hot */
+  ENAMEL_UNCALIBRATED = 2 /* its positions may be wrong */
+};
+
 /* One measurement of a device. */
 typedef struct EnamelMeasurement {
   uint32_t size;
@@ -37,24 +43,27 @@ typedef struct EnamelMeasurement {
   double rates[ENAMEL_MAX_JOINTS];   /* rad/s or m/s */
   double applied[ENAMEL_MAX_JOINTS]; /* torque that acted since the last measurement, N m or N */
   double gripper;                    /* opening angle, rad; see has_gripper */
+  double heat;                       /* of the hottest motor: share of its limit; 0 if the device does not report it */
   int32_t applied_known;             /* 0: the device does not report it */
   int32_t has_gripper;
-  int32_t enabled;  /* the user's enable; 1 if the device has none */
-  int32_t failed;   /* 1: the driver cannot continue */
-  uint32_t buttons; /* bit i: button i is pressed */
-  uint32_t reserved;
+  int32_t enabled;     /* the user's enable; 1 if the device has none */
+  int32_t failed;      /* 1: the driver cannot continue */
+  uint32_t buttons;    /* bit i: button i is pressed */
+  uint32_t conditions; /* EnamelCondition */
 } EnamelMeasurement;
 
 /* A device of a driver, or of a program in C. The functions return an EnamelResult. All but measure and actuate may be
  * NULL.
  *
- * open: setup. Make the device ready; the motors are off or balance gravity.
+ * open: setup. Make the device ready; the motors are off or balance gravity. After a device of a driver was lost, the
+ *   host calls close and open, not more often than 4 times a second, until open succeeds.
  * close: setup. Switch the motors off.
  * measure: tick. ENAMEL_OK: a new sample. ENAMEL_STALE: no new sample since the last call. Others: the device cannot
  *   continue, and the guard ramps out; ENAMEL_INACTIVE also before open and after close.
  * actuate: tick. Send the efforts (N m or N) of `joints` joints. ENAMEL_NOT_FINITE and ENAMEL_OUT_OF_RANGE: nothing was
  *   sent, because a number is not finite, or the number of joints is wrong. Larger efforts than those of the device
- *   file are cut. ENAMEL_STALE: the device could not take the command. */
+ *   file are cut. ENAMEL_STALE: the device could not take the command.
+ * grip: tick, before each actuate. Set the force of the gripper's motor, N, opening it; larger ones are cut. */
 typedef struct EnamelDevice {
   uint32_t size;
   uint32_t reserved;
@@ -63,6 +72,7 @@ typedef struct EnamelDevice {
   void (*close)(void* user);
   int32_t (*measure)(void* user, EnamelMeasurement* measurement);
   int32_t (*actuate)(void* user, const double* effort, int32_t joints);
+  int32_t (*grip)(void* user, double force);
 } EnamelDevice;
 
 /* A device that connect() found. */

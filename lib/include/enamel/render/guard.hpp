@@ -124,9 +124,11 @@ class Guard {
   /// Restart as after construction, for a device at rest without any torque. There is then no ramp in. Realtime: yes.
   void restart() noexcept;
 
-  /// Return the latched fault, or `none`. engaged() returns whether any of the renderer's torque passes. Realtime: yes.
+  /// Return the latched fault, or `none`. engaged() returns whether any of the renderer's torque passes, weight() the
+  /// share that passes, 0 to 1. Realtime: yes.
   GuardReason fault() const noexcept { return state_.fault; }
   bool engaged() const noexcept { return state_.open || state_.weight > 0.0; }
+  double weight() const noexcept { return options_.on ? state_.weight : 1.0; }
 
   const GuardOptions& options() const noexcept { return options_; }
 

@@ -1,6 +1,7 @@
 // One haptic tick, from a measurement to the torque of the motors. It runs the stages of frame.hpp in order.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <limits>
 
@@ -63,6 +64,10 @@ class HapticTick {
   /// sum. Not finite numbers count as zero. Realtime: yes.
   void setEffect(const Vec6& wrench) noexcept { effect_ = wrench.allFinite() ? wrench : Vec6(Vec6::Zero()); }
 
+  /// Set the force of the gripper's motor, N, opening it. The guard scales it as the rendered torque: zero after
+  /// a fault. Not finite numbers count as zero. Realtime: yes.
+  void setGripper(double force) noexcept { gripper_ = std::isfinite(force) ? force : 0.0; }
+
   /// Continue after a fault: reset guard and renderer, and put obstacles at their stated poses. Realtime: yes.
   void reset() noexcept;
 
@@ -100,6 +105,7 @@ class HapticTick {
   Guard guard_;
   TickFrame frame_;
   Vec6 effect_ = Vec6::Zero();
+  double gripper_ = 0.0;        // N
   double sampleTime_ = kNever;  // of the last sample, s
   Drill* drill_ = nullptr;
 };

@@ -101,6 +101,7 @@ class RecordingReader {
   int file_;
   RecordingHeader header_;
   std::uint64_t begin_ = 0, size_ = 0, chunkSize_ = 0, chunks_ = 0;  // bytes; chunkSize_: of a complete chunk
+  std::size_t tickSize_ = 0;                                         // bytes
   std::string buffer_;
 };
 

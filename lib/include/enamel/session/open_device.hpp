@@ -4,6 +4,7 @@
 //   udp://HOST:PORT?device=FILE&key=FILE    a driver in another process, language or machine (lib/docs/device.md).
 //   NAME://ADDRESS?device=FILE              a driver plugin with this name (plugin/driver.h).
 //
+// The option delay=N or delay=LOW..HIGH replaces the delay that the driver states, in ticks.
 // Text after "?" gives options. All texts are taken as they are: "%20" is not a space.
 #pragma once
 
@@ -55,6 +56,7 @@ struct OpenedDevice {
 /// Open a device. A virtual device has the encoders of its file, and moves in real time. Realtime: no.
 /// Throws Error with the URL and the cause:
 /// - an unknown scheme or option; the message lists the possible ones;
+/// - a delay that is not N or LOW..HIGH in 0 to kMaxDelay ticks;
 /// - a device file that cannot be read, or has another number of joints than that of the driver;
 /// - a device that cannot be connected, or does not answer within 1 s.
 OpenedDevice openDevice(const std::string& url, const OpenDeviceOptions& options = {});

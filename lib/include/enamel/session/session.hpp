@@ -108,6 +108,9 @@ class Session {
   /// kLargestEffect.
   void setEffect(const Vec6& wrench);
 
+  /// Set the force of the gripper's motor, N, opening it, at most kLargestEffect. The device cuts it at its limit.
+  void setGripper(double force);
+
   void spin(bool on);    ///< start or stop the bur
   void clutch(bool on);  ///< as the clutch button
   void enable(bool on);  ///< render, or ramp out
@@ -156,6 +159,7 @@ class TickAccess {
   [[nodiscard]] Status activate(ObstacleId id, bool active) noexcept;
   void spin(bool on) noexcept;
   Status setEffect(const Vec6& wrench) noexcept;  ///< notFinite, outOfRange: above kLargestEffect
+  Status setGripper(double force) noexcept;       ///< the same
 
  private:
   friend class Session;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "enamel/render/tick.hpp"
@@ -9,12 +10,17 @@
 
 namespace enamel {
 
+/// Make a device between a virtual device and its loop, such as a driver. It must call measure() and
+/// actuate() of the virtual device once a tick.
+using DeviceWrapper = std::function<std::unique_ptr<HapticDevice>(VirtualDevice&)>;
+
 /// All data of a loop except the person.
 struct LoopSetup : VirtualDeviceSetup {
   Scene scene = flatWall();
   Tool tool;
   bool guarded = true;        ///< false: the guard lets every torque pass
   double force = kUnlimited;  ///< the guard's limit of the rendered force at the TCP, N
+  DeviceWrapper wrapper;      ///< empty: the loop measures and commands the device itself
 };
 
 /// Check a setup. Throws Error as checkVirtualDevice(), and if the scene has no obstacles or the force is below 0.
@@ -41,6 +47,11 @@ struct TickRecord {
   Status status = Status::ok;  ///< of the haptic tick
   GuardReason guard = GuardReason::none;
 };
+
+/// Fill in all fields that follow from a haptic tick, the torque of the record, and the pose of the device. `device` is
+/// that of the plant, or as measured. Realtime: yes.
+void describe(const TickFrame& tick, const Kinematics& device, const Scene& scene, const Tool& tool, ToolCache* cache,
+              TickRecord& record) noexcept;
 
 /// The loop: a virtual device and a haptic tick. It refers to mechanisms and renderer, which must outlive it.
 class VirtualLoop {
@@ -99,6 +110,8 @@ class VirtualLoop {
   Scene scene_;
   Tool tool_;
   VirtualDevice device_;
+  std::unique_ptr<HapticDevice> wrapped_;
+  HapticDevice& driver_;  // wrapped_ or device_
   HapticTick tick_;
   ToolCache trueCache_;  // for the true contacts of the plant
   Measurement measurement_;

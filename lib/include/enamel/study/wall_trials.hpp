@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "enamel/render/renderer.hpp"
-#include "enamel/sim/virtual_device.hpp"
+#include "enamel/sim/virtual_loop.hpp"
 
 namespace enamel {
 
@@ -22,7 +22,8 @@ struct WallTrialSetup {
   std::function<std::unique_ptr<Renderer>()> renderer;
   /// Make the plant of a run, if it is not the closed form of `plant`. Several threads may call it at the same time.
   std::function<std::unique_ptr<Plant>(std::uint32_t stream)> makePlant = {};
-  Delay delay;           ///< ticks
+  DeviceWrapper wrapper = {};  ///< as in LoopSetup
+  Delay delay;                 ///< ticks
   double period = 1e-3;  ///< s
   double noise = 0.5;    ///< standard deviation of the person's force, N
   int runs = 20;         ///< runs differ in noise, forces and instants
