@@ -106,7 +106,7 @@ class HapticTick {
   Guard guard_;
   TickFrame frame_;
   Vec6 effect_ = Vec6::Zero();
-  double gripper_ = 0.0;  // N
+  double gripper_ = 0.0;        // N
   bool effectActed_ = false;    // at the last tick
   double sampleTime_ = kNever;  // of the last sample, s
   Drill* drill_ = nullptr;
