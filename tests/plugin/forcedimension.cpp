@@ -183,4 +183,30 @@ TEST_CASE("a session feels a wall with the Force Dimension driver", "[forcedimen
   session.stop();
 }
 
+TEST_CASE("a session sets the force of the gripper, and the guard removes it", "[forcedimension]") {
+  StandIn standIn;
+  standIn.set("model", 7.0);
+  SessionDef def;
+  def.device = urlOf();
+  def.pluginFolder = kFolder;
+  Session session(def);
+  CHECK_THROWS_WITH(session.setGripper(std::nan("")), ContainsSubstring("the force of the gripper must be finite"));
+  session.setGripper(2.0);
+  session.startOpened();
+  const auto has = [&](double force) {
+    return test::eventually([&] {
+      if (session.snapshot().fault != GuardReason::none) session.reset();  // on a busy machine a tick may come late
+      return standIn.force(6) == force;
+    });
+  };
+  REQUIRE(has(2.0));
+  CHECK(session.snapshot().tick.measurement.gripper == 0.25);
+  session.enable(false);
+  CHECK(has(0.0));
+  session.enable(true);
+  CHECK(has(2.0));
+  session.stop();
+  CHECK(standIn.force(6) == 0.0);
+}
+
 }  // namespace enamel::test_forcedimension

@@ -24,9 +24,9 @@ struct WallTrialSetup {
   std::function<std::unique_ptr<Plant>(std::uint32_t stream)> makePlant = {};
   DeviceWrapper wrapper = {};  ///< as in LoopSetup
   Delay delay;                 ///< ticks
-  double period = 1e-3;  ///< s
-  double noise = 0.5;    ///< standard deviation of the person's force, N
-  int runs = 20;         ///< runs differ in noise, forces and instants
+  double period = 1e-3;        ///< s
+  double noise = 0.5;          ///< standard deviation of the person's force, N
+  int runs = 20;               ///< runs differ in noise, forces and instants
   std::uint64_t seed = 1;
 };
 
