@@ -17,6 +17,7 @@ namespace Enamel
     public enum EnamelMode { ENAMEL_FREE = 0, ENAMEL_CONTACT = 1, ENAMEL_FAULT = 2 }
     public enum EnamelAnswer { ENAMEL_TORQUE = 0, ENAMEL_WRENCH = 1 }
     public enum EnamelFeature { ENAMEL_FACE = 0, ENAMEL_EDGE = 1, ENAMEL_VERTEX = 2 }
+    public enum EnamelApplied { ENAMEL_APPLIED_UNKNOWN = 0, ENAMEL_APPLIED_REPORTED = 1, ENAMEL_APPLIED_SENT = 2 }
     public enum EnamelCondition { ENAMEL_FORCES_CUT = 1, ENAMEL_UNCALIBRATED = 2 }
     public enum EnamelFailure { ENAMEL_FAILED = 100, ENAMEL_NULL = 101, ENAMEL_SIZE = 102, ENAMEL_NOTHING = 103, ENAMEL_STOPPED = 104 }
     public enum EnamelShape { ENAMEL_HALF_SPACE = 0, ENAMEL_BOX = 1, ENAMEL_SPHERE = 2, ENAMEL_CAPSULE = 3, ENAMEL_MESH = 4, ENAMEL_SOLID = 5 }

@@ -86,12 +86,13 @@ TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]
   begin.age[1] = begin.age[2] = 1.0;
   Observer::States row;
   fill(random, row[0], sizeof row / sizeof(double));
-  Lane command, reading;
+  Lane command, variance, reading;
   fill(random, command.data(), command.size());
   fill(random, reading.data(), reading.size());
+  variance.fill(0.3);
   const auto run = [&](const ObserverSteps<4>& steps, Observer::State& s) {
     s = begin;
-    steps.predict(data, model, command, s);
+    steps.predict(data, model, command, variance, s);
     steps.correct(2, reading, s);
     steps.merge(s);
     steps.carry(model, command, reading, 0.1, s.mean);

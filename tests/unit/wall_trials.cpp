@@ -64,7 +64,7 @@ TEST_CASE("trials are the same on any number of threads, and filtered ones the s
   const WallTrialSetup setup = setupFor("tau-nominal.toml", 1);
   const auto one = runWallTrials(setup, "impact", 1), three = runWallTrials(setup, "impact", 3),
              fast = runWallTrials(setup, "0.5", 2);
-  REQUIRE(one.size() == 9);
+  REQUIRE(one.size() == 12);
   REQUIRE(three.size() == 9);
   for (std::size_t i = 0; i < one.size(); ++i) CHECK(one[i].value == three[i].value);
   REQUIRE(fast.size() == 3);

@@ -19,7 +19,8 @@ struct ObserverSteps {
   using States = typename Observer::States;
 
   void (*carry)(const Model& model, const Lane& command, const Lane& matters, double scale, States& x) noexcept;
-  void (*predict)(const ModeData& data, const Model& model, const Lane& command, State& s) noexcept;
+  void (*predict)(const ModeData& data, const Model& model, const Lane& command, const Lane& variance,
+                  State& s) noexcept;
   void (*weigh)(const Lane& innovation, const Lane& expected, const Lane& variance, const Lane& precision,
                 const Lane& largest, Evidence& seen) noexcept;  // a part of correct(), for its test
   void (*correct)(int read, const Lane& reading, State& s) noexcept;

@@ -165,8 +165,9 @@ struct Steps {
       for (int j = 0; j <= i; ++j, ++n) wide(P[n]) -= gain[i] * column[j];
   }
 
-  // A tick under a command, and new hypotheses of a jump within it.
-  static void predict(const ModeData& data, const Model& m, const Lane& command, State& s) noexcept {
+  // A tick under a command of some variance, and new hypotheses of a jump within it.
+  static void predict(const ModeData& data, const Model& m, const Lane& command, const Lane& variance,
+                      State& s) noexcept {
     const int count = static_cast<int>(s.count);
     // Process noise. The model error scales with the force that accelerates the device. With cables it also scales with
     // the force itself, which keeps the controller's margin to a wrong resonance (loop transfer recovery).
@@ -179,7 +180,7 @@ struct Steps {
     wide(matters) = select(moves * moves * s.scaleVariance > wide(s.readingVariance), 1.0, 0.0);
     if (kMech == 4) force = larger(force, larger(magnitudeOf(wide(command)), magnitudeOf(push)));
     const double lack2 = data.modelError * data.modelError, disturbance = data.drive.disturbance;
-    const Wide lacks = lack2 * force * force, rotor = lacks + disturbance * disturbance;
+    const Wide lacks = lack2 * force * force, rotor = lacks + disturbance * disturbance + wide(variance);
     const Wide tremor = wide(s.tremor) * wide(s.tremor), link = kMech == 4 ? tremor + lacks : tremor;
     // A hand can take away half of its push in the time of a step's growth.
     const Wide growth = kGrowthOfStep * kGrowthOfStep * larger(step * step, 0.25 * push * push);

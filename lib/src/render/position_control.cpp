@@ -241,9 +241,14 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
   if (frame.applied)
     for (int j = 0; j < joints_; ++j) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];
   const Lane command = toModes(acted), y = toModes(reading);
+  Lane variance{};  // each command that may have acted is equally likely
+  for (int d = 0; !frame.applied && pending_ > 0 && d <= pending_; ++d) {
+    const Lane other = toModes(m.sent[options_.delayLow + d]);
+    for (int k = 0; k < joints_; ++k) variance[k] += (other[k] - command[k]) * (other[k] - command[k]) / (pending_ + 1);
+  }
   for (int t = 0; t < ticks; ++t) {
     if (t > 0) observer_.merge(m.observer);
-    observer_.predict(m.observer, command);
+    observer_.predict(m.observer, command, variance);
   }
   if (const double rest = elapsed - ticks * T; std::abs(rest) > 1e-6 * T) observer_.shift(m.observer, rest);
   if (frame.age == 0) {

@@ -162,8 +162,8 @@ void PushObserver<kMech>::rotate(State& s, int i, int j, double cosine, double s
 }
 
 template <int kMech>
-void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept {
-  steps<kMech>().predict(data_, model_, command, s);
+void PushObserver<kMech>::predict(State& s, const Lane& command, const Lane& variance) const noexcept {
+  steps<kMech>().predict(data_, model_, command, variance, s);
 }
 
 template <int kMech>
