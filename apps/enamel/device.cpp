@@ -43,8 +43,10 @@ void wait(
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   while (interruption() == 0 &&
-         (duration == 0.0 || std::chrono::duration<double>(Clock::now() - begin).count() < duration))
-    step(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+         (duration == 0.0 || std::chrono::duration<double>(Clock::now() - begin).count() < duration)) {
+    step();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
 }
 
 constexpr const char* kHow = " (lib/docs/device.md, \"Settings of the system\")";

@@ -16,7 +16,7 @@ namespace {
 constexpr int kLongestDelay = 63;  // ticks
 constexpr std::size_t kListBytes = 16384;
 constexpr std::chrono::milliseconds kLook{10};        // between two looks for a lost device
-constexpr std::chrono::milliseconds kOpenAgain{250};  // between two attempts to open it again
+constexpr std::chrono::milliseconds kOpenAgain{250};  // before each attempt to open it again; the guard's ramp is over
 
 void checkTable(const std::string& path, const EnamelDriver& table) {
   plugin::checkVersion(path, table.abi_version, ENAMEL_DRIVER_ABI_VERSION, ENAMEL_DRIVER_ABI_VERSION);
@@ -127,9 +127,11 @@ class ConnectedDevice final : public HapticDevice {
   }
 
   void watch() noexcept {
-    for (auto tried = std::chrono::steady_clock::time_point(); isOpen_; std::this_thread::sleep_for(kLook)) {
-      if (!isLost_ || std::chrono::steady_clock::now() - tried < kOpenAgain) continue;
-      tried = std::chrono::steady_clock::now();
+    for (auto before = std::chrono::steady_clock::now(); isOpen_; std::this_thread::sleep_for(kLook)) {
+      const auto now = std::chrono::steady_clock::now();
+      if (!isLost_) before = now;
+      if (now - before < kOpenAgain) continue;
+      before = now;
       device_->close();
       try {
         device_->open();
