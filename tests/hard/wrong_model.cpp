@@ -107,7 +107,7 @@ StudyPlan planOf(const Error& error, double cable, int runs) {
   plan.setup.encoders = {true, RateSource::difference};
   plan.setup.hand.preload = 1.0;
   plan.setup.seed = test::seed() + 11;
-  if (error.isSilent) plan.setup.wrapper = [](VirtualDevice& device) { return std::make_unique<SilentDevice>(device); };
+  if (error.isSilent) plan.setup.wrapper = [](VirtualDevice& d) { return std::make_unique<SilentDevice>(d); };
   StudyColumn column;
   column.name = error.name;
   column.plant = makeMechanism(modelFor(kImperfect, device));
