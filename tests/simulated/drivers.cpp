@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <random>
 #include <thread>
@@ -306,7 +307,8 @@ void compare(const std::string& name, const Rig& rig, const Tasks& tasks) {
 }
 
 // The first trial passes with the driver as it is, and names each single mistake of it.
-void tryFirst(const std::string& name, const Rig& rig) {
+// Make the first trial without a mistake, and with so many of the single mistakes.
+void tryFirst(const std::string& name, const Rig& rig, std::size_t mistakes = std::size(test::kMistakes)) {
   const auto tried = [&](test::Mistake mistake) {
     OpenedDevice opened = openAt(rig.url);
     opened.device = std::make_unique<SteppedDevice>(std::move(opened.device), rig, kPeriod);
@@ -317,7 +319,8 @@ void tryFirst(const std::string& name, const Rig& rig) {
   INFO(name << "\n" << good.report);
   CHECK(good.surprise.empty());
   CHECK(good.isComplete);
-  for (const auto& [mistake, words] : test::kMistakes) {
+  for (std::size_t i = 0; i < mistakes; ++i) {
+    const auto& [mistake, words] = test::kMistakes[i];
     const FirstTouchResult result = tried(mistake);
     INFO(name << ", expected: " << words << "\n" << result.report);
     CHECK_THAT(result.surprise, test::ContainsSubstring(words));
@@ -352,7 +355,7 @@ TEST_CASE("the delay that position control assumes must be that of the device", 
       const int lost = scoresOf(plan, resultsOf(plan))[0].lost;
       std::cout << "omega.3, assumed delay " << assumed.low << ".." << assumed.high << ", actual " << actual << ": "
                 << lost << " of " << plan.size() << " pushes lost\n";
-      if (assumed.low == actual && assumed.high == actual) CHECK(lost == 0);
+      if (assumed.low <= actual && actual <= assumed.high) CHECK(lost == 0);
     }
 }
 
@@ -440,7 +443,10 @@ TEST_CASE("tasks of the comparison through the Haply driver", "[drivers]") {
   compare("Inverse3", standIn.rig, {0.96, 1.8, 0.12, 0.06, 5.87e3, 35.0, 1, 2.15});
 }
 
-TEST_CASE("the first trial with the Haply driver", "[drivers]") { tryFirst("Inverse3", test::HaplyRig().rig); }
+// Each takes seven seconds, because every tick passes through a socket.
+TEST_CASE("the first trial with the Haply driver", "[drivers]") {
+  tryFirst("Inverse3", test::HaplyRig().rig, test::longRun() ? std::size(test::kMistakes) : 1);
+}
 #endif
 
 }  // namespace enamel::test_drivers
