@@ -23,6 +23,7 @@
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
+#include "support/silent_device.hpp"
 
 namespace enamel::test_stability {
 namespace {
@@ -91,21 +92,6 @@ class Late final : public Plant {
   std::unique_ptr<Plant> plant_;
   const double& part_;
   JointVector last_;
-};
-
-// A device that does not report the torque that acts.
-class Driver final : public HapticDevice {
- public:
-  explicit Driver(VirtualDevice& device) : device_(device) {}
-  Status measure(Measurement& m) noexcept override {
-    const Status status = device_.measure(m);
-    m.applied.reset();
-    return status;
-  }
-  Status actuate(const Command& command) noexcept override { return device_.actuate(command); }
-
- private:
-  VirtualDevice& device_;
 };
 
 struct Setup {
@@ -198,7 +184,7 @@ class Loop {
   Vec3 normal_;
   Scene scene_;
   std::optional<VirtualDevice> device_;
-  std::optional<Driver> driver_;
+  std::optional<test::SilentDevice> driver_;
   std::optional<PositionControlRenderer> renderer_;
   std::optional<HapticTick> tick_;
   std::optional<LoopBody> body_;

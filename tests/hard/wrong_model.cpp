@@ -12,6 +12,7 @@
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
+#include "support/silent_device.hpp"
 
 namespace enamel::test_wrong_model {
 
@@ -26,21 +27,6 @@ struct Error {
   std::function<void(TauParameters& device)> inDevice = {};
   Delay delay = {}, stated = delay;
   bool isSilent = false;
-};
-
-// A device that does not report the torque that acted, like those of vendors.
-class SilentDevice final : public HapticDevice {
- public:
-  explicit SilentDevice(VirtualDevice& device) : device_(device) {}
-  Status measure(Measurement& m) noexcept override {
-    const Status status = device_.measure(m);
-    m.applied.reset();
-    return status;
-  }
-  Status actuate(const Command& command) noexcept override { return device_.actuate(command); }
-
- private:
-  VirtualDevice& device_;
 };
 
 std::function<void(TauParameters&)> massesTimes(double factor) {
@@ -107,7 +93,7 @@ StudyPlan planOf(const Error& error, double cable, int runs) {
   plan.setup.encoders = {true, RateSource::difference};
   plan.setup.hand.preload = 1.0;
   plan.setup.seed = test::seed() + 11;
-  if (error.isSilent) plan.setup.wrapper = [](VirtualDevice& d) { return std::make_unique<SilentDevice>(d); };
+  if (error.isSilent) plan.setup.wrapper = [](VirtualDevice& d) { return std::make_unique<test::SilentDevice>(d); };
   StudyColumn column;
   column.name = error.name;
   column.plant = makeMechanism(modelFor(kImperfect, device));
