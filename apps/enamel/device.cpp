@@ -38,13 +38,12 @@ struct DeviceOptions {
 };
 
 // Wait for an interruption or for `duration` s; 0: until an interruption.
-void wait(
-    double duration, const std::function<void()>& step = [] {}) {
+void wait(double duration, const std::function<void()>& step = {}) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   while (interruption() == 0 &&
          (duration == 0.0 || std::chrono::duration<double>(Clock::now() - begin).count() < duration)) {
-    step();
+    if (step) step();
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
 }

@@ -3,7 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
+#include <optional>
+#include <string_view>
 
 #include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
@@ -11,28 +12,14 @@
 namespace enamel::app {
 
 Delay parseDelay(const std::string& text) {
-  const char *at = text.data(), *const end = at + text.size();
-  const auto literal = [&](std::string_view expected) {
-    if (std::string_view(at, static_cast<std::size_t>(end - at)).substr(0, expected.size()) != expected) return false;
-    at += expected.size();
-    return true;
+  const auto after = [&](std::string_view kind) {
+    const std::string_view all = text;
+    return all.substr(0, kind.size()) == kind ? readDelay(all.substr(kind.size())) : std::nullopt;
   };
-  const auto number = [&](int& value) {
-    const auto [rest, error] = std::from_chars(at, end, value);
-    at = rest;
-    return error == std::errc{};
-  };
-  Delay delay;
-  bool read = literal("none");
-  if (!read && literal("constant:")) {
-    read = number(delay.low);
-    delay.high = delay.low;
-  } else if (!read && literal("random:")) {
-    read = number(delay.low) && literal("..") && number(delay.high);
-  }
-  if (!read || at != end)
-    throw Error("--delay is \"" + text + "\", must be none, constant:D or random:A..B with whole ticks");
-  return delay;
+  const bool isRange = text.find("..") != std::string::npos;
+  const std::optional<Delay> delay = text == "none" ? Delay{} : after(isRange ? "random:" : "constant:");
+  if (!delay) throw Error("--delay is \"" + text + "\", must be none, constant:D or random:A..B with whole ticks");
+  return *delay;
 }
 
 void checkGain(const std::string& gain, const std::vector<std::string>& linked, const std::string& option) {

@@ -101,13 +101,14 @@ Status PassivityRenderer::render(const TickFrame& frame, TickOutput& output) noe
   const JointVector carriedRates = k.inverseTransposed.transpose() * carried;
   const bool isSample = frame.age == 0;  // without a sample the motion is unknown
   if (isSample && port.started != 0.0) {
+    const JointVector* told = nullptr;  // the torque of the last tick; others may have changed the output
+    if (port.ticks == 1.0 && frame.applied)
+      told = &*frame.applied;
+    else if (port.ticks == 1.0 && frame.command.size() == n)
+      told = &frame.command;
     double taken = 0.0;
     for (Eigen::Index i = 0; i < n; ++i) {
-      double acted = port.torque[i];
-      if (port.ticks == 1.0 && frame.applied)
-        acted = (*frame.applied)[i] - k.gravity[i];
-      else if (port.ticks == 1.0 && frame.command.size() == n)  // others may have changed the torque
-        acted = frame.command[i] - k.gravity[i];
+      const double acted = told != nullptr ? (*told)[i] - k.gravity[i] : port.torque[i];
       taken -= acted * (k.q[i] - port.q[i] - port.ticks * period_ * carriedRates[i]);
     }
     alongLayers(port.depth, depth, [&](std::size_t i, double share) { port.energy[i] += share * taken; });

@@ -67,7 +67,6 @@ class PositionControlRenderer::ControllerOf final : public Controller {
     typename Observer::State observer{};
     double started = 0.0, lastTime = 0.0, ticks = 0.0;
     std::array<JointRow, kMaxLoopDelay + 1> sent{};            // without gravity, newest first
-    JointRow answer{};                                         // the last torque, with gravity
     JointRow lastReading{}, lastEstimate{};                    // joints
     double step = 0.0;                                         // step of the hand, N
     double contradictions = 0.0, ignored = 0.0, doubts = 0.0;  // doubts: recent contradictions
@@ -234,15 +233,16 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     decouple(frame, false);
   }
   observer_.refresh(m.observer);
-  if (!frame.applied &&
-      frame.command.size() == joints_)  // others may have changed the answer: an effect, the guard, a renderer around
-    for (int j = 0; j < joints_; ++j) m.sent[0][j] += frame.command[j] - m.answer[j];
+  // Others may have changed the answer: an effect, the guard, a renderer around this one.
+  if (!frame.applied && frame.command.size() == joints_)
+    for (int j = 0; j < joints_; ++j)
+      m.sent[0][j] = frame.maxTorque[j] > 0.0 ? frame.command[j] - frame.kinematics.gravity[j] : 0.0;
   JointRow acted = acting(0), rates{};
   if (frame.applied)
     for (int j = 0; j < joints_; ++j) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];
   const Lane command = toModes(acted), y = toModes(reading);
   Lane variance{};  // each command that may have acted is equally likely
-  for (int d = 0; !frame.applied && pending_ > 0 && d <= pending_; ++d) {
+  for (int d = 0; !frame.applied && d <= pending_; ++d) {
     const Lane other = toModes(m.sent[options_.delayLow + d]);
     for (int k = 0; k < joints_; ++k) variance[k] += (other[k] - command[k]) * (other[k] - command[k]) / (pending_ + 1);
   }
@@ -423,7 +423,6 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   output.saturated = false;
   if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {
     repeat(kin, output);
-    for (int j = 0; j < n; ++j) m.answer[j] = output.torque[j];
     return Status::ok;
   }
   JointRow reading{};
@@ -474,10 +473,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   m.lastReading = reading;
   m.lastNormal = output.normalForce;
   for (int i = kMaxLoopDelay; i > 0; --i) m.sent[i] = m.sent[i - 1];
-  for (int j = 0; j < n; ++j) {
-    m.answer[j] = frame.maxTorque[j] > 0.0 ? output.torque[j] : 0.0;
-    m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] : 0.0;
-  }
+  for (int j = 0; j < n; ++j) m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] : 0.0;
   return Status::ok;
 }
 

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <cstring>
 #include <iterator>
-#include <string_view>
 #include <thread>
 
 #include "core/message.hpp"
@@ -60,22 +58,11 @@ std::string optionOf(const DeviceUrl& url, const char* key) {
   return found == url.options.end() ? std::string() : found->second;
 }
 
-// Read "N" or "LOW..HIGH", ticks.
 Delay delayOf(const std::string& text) {
-  constexpr const char* kBetween = "..";
-  const std::size_t dots = text.find(kBetween);
-  const auto number = [](std::string_view digits) {
-    int value = -1;
-    const auto [rest, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    return error == std::errc{} && rest == digits.data() + digits.size() ? value : -1;
-  };
-  const std::string_view whole = text;
-  Delay delay;
-  delay.low = number(whole.substr(0, dots));
-  delay.high = dots == std::string::npos ? delay.low : number(whole.substr(dots + std::strlen(kBetween)));
-  require(delay.low >= 0 && delay.low <= delay.high && delay.high <= kMaxDelay,
+  const std::optional<Delay> delay = readDelay(text);
+  require(delay && delay->low >= 0 && delay->low <= delay->high && delay->high <= kMaxDelay,
           "delay is \"" + text + "\", must be N or LOW..HIGH in 0 to " + std::to_string(kMaxDelay) + " ticks");
-  return delay;
+  return *delay;
 }
 
 // Read the device file, or the nominal TAU if `file` is empty.

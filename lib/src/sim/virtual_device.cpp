@@ -1,6 +1,7 @@
 #include "enamel/sim/virtual_device.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "core/assert.hpp"
@@ -24,6 +25,21 @@ Kinematics started(Plant* plant, const Pose& start) {
 }
 
 }  // namespace
+
+std::optional<Delay> readDelay(std::string_view text) noexcept {
+  constexpr std::string_view kTo = "..";
+  const auto number = [](std::string_view digits, int& value) {
+    const char* const end = digits.data() + digits.size();
+    const auto [rest, error] = std::from_chars(digits.data(), end, value);
+    return error == std::errc{} && rest == end;
+  };
+  const std::size_t to = text.find(kTo);
+  const bool isRange = to != std::string_view::npos;
+  Delay delay;
+  if (!number(text.substr(0, to), delay.low)) return std::nullopt;
+  if (!number(isRange ? text.substr(to + kTo.size()) : text, delay.high)) return std::nullopt;
+  return delay;
+}
 
 Encoders::Encoders(const EncoderOptions& options, const JointVector& encoderStep, double period) noexcept
     : options_(options),

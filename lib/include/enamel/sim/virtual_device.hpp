@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string_view>
 
 #include "enamel/device/haptic_device.hpp"
 #include "enamel/sim/plant.hpp"
@@ -18,6 +20,9 @@ struct Delay {
   int low = 0;
   int high = 0;
 };
+
+/// Read "N" or "LOW..HIGH", whole ticks in decimal digits. Empty: the text has another form. Realtime: no.
+std::optional<Delay> readDelay(std::string_view text) noexcept;
 
 /// Largest delay, ticks.
 inline constexpr int kMaxDelay = 63;
