@@ -90,16 +90,20 @@ TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]
   fill(random, command.data(), command.size());
   fill(random, reading.data(), reading.size());
   variance.fill(0.3);
-  const auto run = [&](const ObserverSteps<4>& steps, Observer::State& s) {
+  const auto run = [&](const ObserverSteps<4>& steps, Observer::State& s, double& likelihood) {
     s = begin;
     steps.predict(data, model, command, variance, s);
+    likelihood = steps.likelihood(2, model, reading, command, s);
     steps.correct(2, reading, s);
     steps.merge(s);
     steps.carry(model, command, reading, 0.1, s.mean);
     return steps.moments(s, row);
   };
   Observer::State wanted, found;
-  const Observer::Moments moments = run(kCableSteps, wanted), same = run(kCableStepsAvx2, found);
+  double likely = 0.0, alike = 0.0;
+  const Observer::Moments moments = run(kCableSteps, wanted, likely), same = run(kCableStepsAvx2, found, alike);
+  CHECK(std::isfinite(likely));
+  CHECK(likely == alike);
   CHECK(std::isfinite(moments.mean));
   CHECK(std::memcmp(&wanted, &found, sizeof wanted) == 0);
   CHECK((same.mean == moments.mean && same.deviation == moments.deviation));

@@ -14,6 +14,7 @@
 #include "support/mechanisms.hpp"
 #include "support/pushes.hpp"
 #include "support/run_length.hpp"
+#include "support/silent_device.hpp"
 
 namespace enamel::test_position_control {
 
@@ -234,6 +235,62 @@ TEST_CASE("the servo learns a heavier device (expected failure until the control
     const Learnt l = learn(1.3, late);
     CHECK(l.mean == Approx(l.share).epsilon(tolerance(late)));
   }
+}
+
+// Ticks until the renderer has learnt the true delay of a plant that is heavier than its model. The hand presses with
+// 3 N and a tremor of 0.5 N. -1: not learnt for good within a second.
+int ticksToLearn(Delay stated, Delay truth, double factor, bool reports, std::uint32_t run) {
+  const auto model = tau();
+  TauParameters heavier = test::nominal();
+  heavier.platform.mass *= factor;
+  const TauMechanism plant(heavier);
+  PositionControlRenderer servo(positionControlFor(*model, kPeriod, stated.low, stated.high));
+  LoopSetup setup = loopWith(flatWall(), 0);
+  setup.delay = truth;
+  setup.run = run;
+  if (!reports) setup.wrapper = [](VirtualDevice& d) { return std::make_unique<test::SilentDevice>(d); };
+  VirtualLoop loop(plant, *model, servo, setup);
+  const RandomStream random(1, run);
+  TickRecord tick;
+  int learnt = -1;
+  for (int i = 0; i < 1000; ++i) {
+    const FirmHand hand{3.0 + 0.5 * random.normal(RandomStream::Purpose::noise, static_cast<std::uint64_t>(i))};
+    REQUIRE(loop.tick(hand, tick) == Status::ok);
+    const PositionControlState state = servo.state();
+    const bool isRight = state.delayLow == truth.low && state.delayHigh == truth.high;
+    if (!isRight) learnt = -1;
+    if (isRight && learnt < 0) learnt = i;
+  }
+  return learnt;
+}
+
+TEST_CASE("the servo learns the delay from contact", "[position_control]") {
+  int slowest = 0, sum = 0, runs = 0;
+  for (const bool reports : {true, false})
+    for (const double factor : {0.75, 1.0, 1.3})
+      for (const auto& [stated, truth] : {std::pair{Delay{1, 1}, Delay{0, 0}},
+                                          {Delay{1, 1}, Delay{1, 1}},
+                                          {Delay{1, 1}, Delay{2, 2}},
+                                          {Delay{0, 2}, Delay{0, 0}},
+                                          {Delay{0, 2}, Delay{1, 1}},
+                                          {Delay{0, 2}, Delay{2, 2}},
+                                          {Delay{0, 2}, Delay{3, 3}},
+                                          {Delay{0, 2}, Delay{0, 2}},
+                                          {Delay{0, 1}, Delay{0, 1}}}) {
+        if (!reports && stated.high == 2 && truth.high == 1) continue;  // its command is almost the mean of the range's
+        for (std::uint32_t run = 0; run < static_cast<std::uint32_t>(test::count(2, 20)); ++run) {
+          const int ticks = ticksToLearn(stated, truth, factor, reports, run);
+          INFO("stated " << stated.low << ".." << stated.high << ", true " << truth.low << ".." << truth.high
+                         << (reports ? ", reports" : ", no reports") << ", plant by " << factor << ", run " << run);
+          CHECK(ticks >= 0);
+          slowest = std::max(slowest, ticks);
+          sum += ticks;
+          ++runs;
+        }
+      }
+  INFO("learnt after " << sum / runs << " ms on average, " << slowest << " ms at most");
+  CHECK(slowest < 500);
+  if (test::longRun()) WARN("learnt after " << sum / runs << " ms on average, " << slowest << " ms at most");
 }
 
 // Counts flicker, the servo reacts, and nothing else moves: this would look like the lightest possible device.

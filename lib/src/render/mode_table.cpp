@@ -186,7 +186,7 @@ void ModeTable<kMech>::read(double logInertia, int lane, double (*value)[kLanes]
 
 template <int kMech>
 std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data, double unseen) {
-  constexpr std::size_t kKept = 8;
+  constexpr std::size_t kKept = 64;
   using Key = std::array<double, 10>;  // everything that determines a table
   static std::mutex mutex;
   static std::vector<std::pair<Key, std::shared_ptr<const ModeTable<kMech>>>> kept;  // most recently used last

@@ -215,6 +215,30 @@ struct Steps {
     s.count = count + kBins;
   }
 
+  // Logarithm of the likelihood of a reading of state `read`, up to a constant, if `more` had been added to the
+  // command. The rounding counts as Gaussian.
+  static double likelihood(int read, const Model& m, const Lane& reading, const Lane& more, const State& s) noexcept {
+    const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
+    const Wide seen = wide(reading) - wide(m.value[Table::kCommandAt + read]) * wide(more);
+    double square[kMost], volume[kMost], least = 1e300, sum = 0.0;
+    for (int p = 0; p < count; ++p) {
+      const Hypothesis& h = s.part[p];
+      const Wide e = seen - wide(h.x[read]), g = wide(h.g[read]),
+                 variance = wide(s.P[at(read, read)]) + g * g * wide(h.v) + wide(s.readingVariance),
+                 squares = e * e / variance, volumes = variance / wide(s.readingVariance);
+      square[p] = 0.0;
+      volume[p] = 1.0;
+      for (int k = 0; k < modes; ++k) {
+        square[p] += squares[k];
+        volume[p] *= volumes[k];
+      }
+      least = std::min(least, square[p]);
+    }
+    for (int p = 0; p < count; ++p)
+      sum += s.weight[p] * std::exp(std::max(0.5 * (least - square[p]), kLeastLogarithm)) / std::sqrt(volume[p]);
+    return std::log(sum) - 0.5 * least;
+  }
+
   // Correct every hypothesis and its weight by a reading of state `read`.
   static void correct(int read, const Lane& reading, State& s) noexcept {
     static_assert(kMost <= kLanes, "one number for each hypothesis fits into a lane");
@@ -357,5 +381,6 @@ struct Steps {
 };
 
 template <int kMech>
-constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry,   Steps<kMech>::predict, Steps<kMech>::weigh,
-                                      Steps<kMech>::correct, Steps<kMech>::merge,   Steps<kMech>::moments};
+constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry,      Steps<kMech>::predict, Steps<kMech>::weigh,
+                                      Steps<kMech>::likelihood, Steps<kMech>::correct, Steps<kMech>::merge,
+                                      Steps<kMech>::moments};

@@ -8,6 +8,7 @@
 #include "enamel/core/error.hpp"
 #include "render/contact_walls.hpp"
 #include "render/controlled_modes.hpp"
+#include "render/loop_delay.hpp"
 
 namespace enamel {
 namespace {
@@ -15,8 +16,8 @@ namespace {
 // These numbers and kStick were chosen; all others are computed. lib/docs/position-control.md says what each trades.
 constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
 constexpr double kModelError = 0.15;  // share of the force that the model misses: robustness against stiffness
+constexpr double kReportError = 0.03, kReportNoise = 0.002;      // deviations of a report: share of it, of the limit
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
-constexpr double kRepeats = 2.0;                                 // deviations of the ticks in which a command acts
 
 // Model of a person. A step has a deviation of 8 N, or a fifth of a weak device's largest force. The tremor is a
 // sixteenth of a step. A moment counts as a force at 2 cm.
@@ -29,6 +30,10 @@ constexpr double kContradicts = 8.0;                    // deviations of an inno
 constexpr double kNear = 2e-5;    // m: a contact that stays farther outside for a tick carries no force
 constexpr int kRefreshTicks = 8;  // between two updates of the inertia
 static_assert(kMaxLoopDelay <= kMostPending);
+
+ModeData dataOf(const PositionControlOptions& o) {
+  return {o.period, o.delayLow, o.delayHigh, o.drive, kPushShare, kForceCost, kModelError};
+}
 
 }  // namespace
 
@@ -71,6 +76,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
     double step = 0.0;                                         // step of the hand, N
     double contradictions = 0.0, ignored = 0.0, doubts = 0.0;  // doubts: recent contradictions
     WallMemory walls;
+    DelayEstimator::State delay{};
     double push = 0.0, merged = 0.0, lastNormal = 0.0;
     FrictionMemory friction;
   };
@@ -86,7 +92,10 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void start(const TickFrame& frame, const JointRow& reading) noexcept;
   void decouple(const TickFrame& frame, bool whole) noexcept;
   void observe(const TickFrame& frame, const JointRow& reading) noexcept;
+  const LoopDelay& delay() const noexcept { return delays_.likeliest(memory_.delay); }
+  Rebound rebound() const noexcept { return {delay().reaction, options_.encoderStep}; }
   JointRow acting(int ahead) const noexcept;
+  void learnDelay(const TickFrame& frame, const Lane& reading, const Lane& command) noexcept;
   void predict(const TickFrame& frame, const JointRow& reading, Ahead& a) const noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
@@ -94,10 +103,9 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void repeat(const Kinematics& now, TickOutput& output) const noexcept;
 
   PositionControlOptions options_;
-  int joints_, pending_;  // pending_: older commands that may act instead of the new one
-  double acts_;           // largest number of ticks in which a command acts, by kRepeats deviations
+  int joints_;
+  DelayEstimator delays_;
   Observer observer_;
-  Rebound rebound_;
   alignas(64) Memory memory_;  // GCC 12 assumes this alignment
 };
 
@@ -105,17 +113,15 @@ template <int kMech>
 PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControlOptions& options)
     : options_(options),
       joints_(static_cast<int>(options.encoderStep.size())),
-      pending_(options.delayHigh - options.delayLow),
-      acts_(std::min(pending_ + 1.0, 1.0 + kRepeats * std::sqrt(pending_ / (pending_ + 1.0)))),
-      observer_(
-          {options.period, options.delayLow, options.delayHigh, options.drive, kPushShare, kForceCost, kModelError},
-          unseenOf(options.encoderStep, options.effort)),
-      rebound_{reactionTime(observer_.data()), options.encoderStep} {}
+      delays_(dataOf(options)),
+      observer_(delays_.designs(dataOf(options)), unseenOf(options.encoderStep, options.effort)) {}
 
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
   const bool isSound = memory_.walls.count >= 0 && memory_.walls.count <= kMostWalls;
-  if (!isSound || (memory_.started != 0.0 && !observer_.accepts(memory_.observer, joints_)))
+  if (!isSound || (memory_.started != 0.0 &&
+                   !(delays_.accepts(memory_.delay) && memory_.observer.design == memory_.delay.likeliest &&
+                     observer_.accepts(memory_.observer, joints_))))
     reset();
   else if (memory_.started != 0.0)
     observer_.reload(memory_.observer);
@@ -124,15 +130,16 @@ void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
 template <int kMech>
 PositionControlState PositionControlRenderer::ControllerOf<kMech>::state() const noexcept {
   const double deviation = memory_.started != 0.0 ? std::sqrt(memory_.observer.scaleVariance) : Observer::kScalePrior;
-  return {std::exp(memory_.observer.scale), deviation, memory_.push, memory_.ignored, memory_.merged};
+  return {std::exp(memory_.observer.scale), deviation, memory_.push, memory_.ignored, memory_.merged, delay().low,
+          delay().low + delay().pending};
 }
 
 template <int kMech>
 ControlledModes PositionControlRenderer::ControllerOf<kMech>::modes() const noexcept {
   const typename Observer::State& s = memory_.observer;
   const JointVector unseen = unseenOf(options_.encoderStep, options_.effort);
-  ControlledModes m{observer_.data(), unseen,   joints_,           memory_.step,  {},     s.inertia,
-                    s.step,           s.tremor, s.readingVariance, s.largestStep, s.joint};
+  ControlledModes m{observer_.data(s), unseen,        joints_, memory_.step, {}, s.inertia, s.step, s.tremor,
+                    s.readingVariance, s.largestStep, s.joint};
   std::memcpy(m.axes, memory_.axes, sizeof m.axes);
   return m;
 }
@@ -204,8 +211,11 @@ template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::start(const TickFrame& frame, const JointRow& reading) noexcept {
   const Kinematics& k = frame.kinematics;
   const double ignored = memory_.ignored;
+  const DelayEstimator::State delay = memory_.started != 0.0 ? memory_.delay : delays_.start();
   memory_ = Memory{};
   memory_.ignored = ignored;
+  memory_.delay = delay;
+  observer_.use(memory_.observer, static_cast<int>(delay.likeliest));
   double force = 0.0;  // mean over the axes
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 along = Vec3::Unit(axis);
@@ -242,9 +252,11 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     for (int j = 0; j < joints_; ++j) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];
   const Lane command = toModes(acted), y = toModes(reading);
   Lane variance{};  // each command that may have acted is equally likely
-  for (int d = 0; !frame.applied && d <= pending_; ++d) {
-    const Lane other = toModes(m.sent[options_.delayLow + d]);
-    for (int k = 0; k < joints_; ++k) variance[k] += (other[k] - command[k]) * (other[k] - command[k]) / (pending_ + 1);
+  const LoopDelay& likeliest = delay();
+  for (int d = 0; !frame.applied && d <= likeliest.pending; ++d) {
+    const Lane other = toModes(m.sent[likeliest.low + d]);
+    for (int k = 0; k < joints_; ++k)
+      variance[k] += (other[k] - command[k]) * (other[k] - command[k]) / (likeliest.pending + 1);
   }
   for (int t = 0; t < ticks; ++t) {
     if (t > 0) observer_.merge(m.observer);
@@ -252,6 +264,7 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
   }
   if (const double rest = elapsed - ticks * T; std::abs(rest) > 1e-6 * T) observer_.shift(m.observer, rest);
   if (frame.age == 0) {
+    if (ticks == 1) learnDelay(frame, y, command);
     const bool contradicts = observer_.surprise(m.observer, y) > kContradicts;
     if (contradicts && m.contradictions == 0.0) {
       m.ignored += 1.0;
@@ -267,13 +280,51 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
   observer_.merge(m.observer);
 }
 
-// Return the mean of the commands that may act so many ticks after the last one, at most delayLow.
+// Return the mean of the commands that may act so many ticks after the last one, at most the lowest delay.
 template <int kMech>
 JointRow PositionControlRenderer::ControllerOf<kMech>::acting(int ahead) const noexcept {
+  const LoopDelay& d = delay();
   JointRow mean{};
-  for (int d = 0; d <= pending_; ++d)
-    for (int j = 0; j < joints_; ++j) mean[j] += memory_.sent[options_.delayLow + d - ahead][j] / (pending_ + 1);
+  for (int i = 0; i <= d.pending; ++i)
+    for (int j = 0; j < joints_; ++j) mean[j] += memory_.sent[d.low + i - ahead][j] / (d.pending + 1);
   return mean;
+}
+
+// Learn the delay from a report of the torque, or else from the reading. `command` is the prediction's. If another
+// delay becomes the likeliest, its command replaces that.
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::learnDelay(const TickFrame& frame, const Lane& reading,
+                                                              const Lane& command) noexcept {
+  Memory& m = memory_;
+  bool areEqual = true;  // the commands in question: they tell nothing
+  for (const LoopDelay& d : delays_.delays()) areEqual = areEqual && m.sent[d.low] == m.sent[delay().low];
+  if (areEqual) return;
+  double evidence[kMaxLoopDelay + 1] = {};
+  const double before = m.delay.likeliest;
+  for (const LoopDelay& d : delays_.delays()) {
+    if (d.pending > 0) continue;
+    const JointRow& sent = m.sent[d.low];
+    if (frame.applied) {
+      for (int j = 0; j < joints_; ++j) {
+        const double report = (*frame.applied)[j] - frame.kinematics.gravity[j], error = report - sent[j],
+                     share = kReportError * report, noise = kReportNoise * frame.maxTorque[j];
+        if (noise > 0.0) evidence[d.low] -= 0.5 * error * error / (share * share + noise * noise);
+      }
+    } else {
+      Lane more = toModes(sent);
+      for (int k = 0; k < kLanes; ++k) more[k] -= command[k];
+      evidence[d.low] = observer_.likelihood(m.observer, reading, more);
+    }
+  }
+  delays_.learn(m.delay, evidence);
+  if (m.delay.likeliest == before) return;
+  if (!frame.applied) {
+    Lane more = toModes(acting(0));
+    for (int k = 0; k < kLanes; ++k) more[k] -= command[k];
+    observer_.command(m.observer, more);
+  }
+  observer_.use(m.observer, static_cast<int>(m.delay.likeliest));
+  observer_.refresh(m.observer);
 }
 
 template <int kMech>
@@ -283,7 +334,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   const double T = options_.period, scale = std::exp(s.scale);
   std::memcpy(a.x, s.mean, sizeof a.x);
   std::memset(a.sensitivity, 0, sizeof a.sensitivity);
-  for (int ahead = 1; ahead <= options_.delayLow; ++ahead) {
+  for (int ahead = 1; ahead <= delay().low; ++ahead) {
     const Lane command = toModes(acting(ahead));
     observer_.advanceSensitivity(command, a.x, a.sensitivity);
     observer_.advance(command, a.x);
@@ -291,7 +342,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   observer_.advanceSensitivity(Lane{}, a.x, a.sensitivity);
   std::memcpy(a.next, a.x, sizeof a.next);
   observer_.advance(Lane{}, a.next);
-  for (int d = 0; d < pending_; ++d) a.pending[d] = toModes(memory_.sent[d]);
+  for (int d = 0; d < delay().pending; ++d) a.pending[d] = toModes(memory_.sent[d]);
   PredictedModes& m = a.modes;
   m = {};
   m.axes = &memory_.axes;
@@ -299,7 +350,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   m.period = T;
   m.handStep = memory_.step;
   m.tremor = kTremorShare * memory_.step;
-  m.seconds = (options_.delayLow + frame.age) * T;
+  m.seconds = (delay().low + frame.age) * T;
   m.now = toModes(reading);
   m.readingVariance = s.readingVariance;
   m.inertia.fill(1.0);
@@ -312,7 +363,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
     m.next[k] = a.next[kLink][k];
     m.nextRate[k] = (1.0 - rotor) * a.next[kLink + 1][k] + (kMech == 4 ? rotor * a.next[1][k] : 0.0);
   }
-  observer_.law(a.x, a.pending, joints_, m.law);
+  observer_.law(s, a.x, a.pending, m.law);
 }
 
 // Largest force along a row of the modes that does not throw the tool out. The push must stop the outward motion within
@@ -323,6 +374,7 @@ template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row, double step,
                                                                  double speed, double depth) noexcept {
   const double T = options_.period;
+  const LoopDelay& late = delay();
   double inverse = 0.0;
   for (int k = 0; k < joints_; ++k) inverse += row[k] * row[k] / a.modes.inertia[k];
   const double mass = 1.0 / inverse;
@@ -340,22 +392,22 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
       byMass += outward[i][k] * a.sensitivity[i][k];
       byCommand -= outward[i][k] * observer_.commandSensitivity(i)[k] * row[k];
     }
-  for (int d = 0; d <= options_.delayLow; ++d) observer_.pullBack(outward);
+  for (int d = 0; d <= late.low; ++d) observer_.pullBack(outward);
   const auto force = observer_.moments(memory_.observer, push),
              uncertain = observer_.moments(memory_.observer, outward);
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
-  const double rebound = std::sqrt(2.0 * rebound_.distance(std::min(sure, memory_.step), mass, step) * sure / mass),
-               comesOut = std::min(depth / kGrowthTime, memory_.step * rebound_.reaction / mass);
+  const double turnsBack = std::sqrt(2.0 * rebound().distance(std::min(sure, memory_.step), mass, step) * sure / mass),
+               comesOut = std::min(depth / kGrowthTime, memory_.step * late.reaction / mass);
   // Largest change of speed z by this command for which speed + z plus its deviations stays below a limit. The
   // deviations are that of the present speed, and that of ln(mass) times (byMass - h z).
   // The pending commands that may act later, above the push that they meet: as often as is likely.
   double other = 0.0;
-  for (int d = 0; d < pending_; ++d) {
+  for (int d = 0; d < late.pending; ++d) {
     double sum = 0.0;
     for (int k = 0; k < joints_; ++k) sum += row[k] * a.pending[d][k] / a.modes.inertia[k] * mass;
-    speed += (sum - sure) * T / mass * (pending_ - d) / (pending_ + 1);
-    other += sum / pending_;
+    speed += (sum - sure) * T / mass * (late.pending - d) / (late.pending + 1);
+    other += sum / late.pending;
   }
   const double h = byCommand * mass / T, kappa = kSpeedDeviations * std::sqrt(memory_.observer.scaleVariance);
   const auto change = [&](double limit, double deviation) {
@@ -364,10 +416,10 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
             std::sqrt(kappa * kappa * (h * most - byMass) * (h * most - byMass) + left * own * own)) /
            left;
   };
-  const double safe = std::max({0.0, change(rebound, uncertain.deviation), change(comesOut, 0.0)}) * mass / T;
-  if (pending_ == 0) return safe;
+  const double safe = std::max({0.0, change(turnsBack, uncertain.deviation), change(comesOut, 0.0)}) * mass / T;
+  if (late.pending == 0) return safe;
   // A command may act in more than one tick, in place of the pending ones.
-  return std::min(safe, std::max(0.0, other + (safe - other) / acts_));
+  return std::min(safe, std::max(0.0, other + (safe - other) / late.acts));
 }
 
 // The applied share of the forces, limited by the cap and by the motors.
@@ -399,7 +451,7 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
       most = std::min(most, std::max(0.0, left) / std::abs(joint[j]));
     }
   if (!(most > 0.0)) return 0.0;
-  const double asked = std::min(total, largestSafe(a, row, rebound_.readingStep(normal) / total, speed, depth));
+  const double asked = std::min(total, largestSafe(a, row, rebound().readingStep(normal) / total, speed, depth));
   output.saturated = asked > most;
   return std::min(asked, most) / total;
 }
@@ -444,7 +496,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   double force[kMaxWalls] = {};
   const double near = kNear * options_.scale;
   const int count = collectWalls(frame, a.modes, m.lastReading, m.walls, walls),
-            placed = placeTargets(a.modes, rebound_, near, walls, count, targets);
+            placed = placeTargets(a.modes, rebound(), near, walls, count, targets);
   m.walls.count = count;
   std::copy_n(walls, count, m.walls.wall.begin());
   if (placed > 0) contactForces(a.modes, targets, placed, force);

@@ -32,14 +32,16 @@ const ObserverSteps<kMech>& steps() noexcept {
 }  // namespace
 
 template <int kMech>
-PushObserver<kMech>::PushObserver(const ModeData& data, const JointVector& unseen) : data_(data), model_{} {
-  for (Eigen::Index j = 0; j < unseen.size(); ++j)
-    table_[static_cast<std::size_t>(j)] = modeTableOf<kMech>(data, unseen[j]);
+PushObserver<kMech>::PushObserver(const std::vector<ModeData>& designs, const JointVector& unseen)
+    : designs_(designs), data_(designs.front()), table_(designs.size()), model_{} {
+  for (std::size_t i = 0; i < designs.size(); ++i)
+    for (Eigen::Index j = 0; j < unseen.size(); ++j)
+      table_[i][static_cast<std::size_t>(j)] = modeTableOf<kMech>(designs[i], unseen[j]);
   (void)steps<kMech>();  // detects the processor now, not in a tick
   // Zero if it is negligible: its products with covariances would be denormal numbers, which take a third of a tick.
-  const double kept = std::exp(-lagOf(data.drive) * data.period);
+  const double kept = std::exp(-lagOf(data_.drive) * data_.period);
   model_.lagKept = kept > std::numeric_limits<double>::epsilon() ? kept : 0.0;
-  model_.growthKept = std::exp(-data.period / kGrowthTime);
+  model_.growthKept = std::exp(-data_.period / kGrowthTime);
   model_.growthSum = kGrowthTime * (1.0 - model_.growthKept);
 }
 
@@ -106,6 +108,12 @@ void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rat
 }
 
 template <int kMech>
+void PushObserver<kMech>::use(State& s, int design) const noexcept {
+  s.design = design;
+  for (int k = 0; k < static_cast<int>(s.modes); ++k) s.used[k] = 0.0;  // refresh() reads the other tables
+}
+
+template <int kMech>
 void PushObserver<kMech>::refresh(State& s) noexcept {
   const double whole = std::exp(s.scale);
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
@@ -129,7 +137,8 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
 
 template <int kMech>
 bool PushObserver<kMech>::accepts(const State& s, int modes) const noexcept {
-  bool isSound = s.modes == modes && s.count >= 1 && s.count <= kMost - kBins;
+  bool isSound = s.design >= 0.0 && s.design < static_cast<double>(designs_.size()) && s.modes == modes &&
+                 s.count >= 1 && s.count <= kMost - kBins;
   for (int p = 0; isSound && p < static_cast<int>(s.count); ++p) isSound = s.weight[p] > 0.0 && s.age[p] == 0.0;
   for (int k = 0; isSound && k < modes; ++k) isSound = s.joint[k] >= 0.0 && s.joint[k] < modes;
   return isSound;
@@ -191,6 +200,20 @@ double PushObserver<kMech>::surprise(const State& s, const Lane& reading) const 
 }
 
 template <int kMech>
+double PushObserver<kMech>::likelihood(const State& s, const Lane& reading, const Lane& more) const noexcept {
+  return steps<kMech>().likelihood(readState(), model_, reading, more, s);
+}
+
+template <int kMech>
+void PushObserver<kMech>::command(State& s, const Lane& more) const noexcept {
+  for (int p = 0; p < static_cast<int>(s.count); ++p)
+    for (int k = 0; k < kLanes; ++k) {
+      for (int i = 0; i < kMech; ++i) s.part[p].x[i][k] += model_.value[ModeTable<kMech>::kCommandAt + i][k] * more[k];
+      s.part[p].x[kLag][k] += (1.0 - model_.lagKept) * more[k];
+    }
+}
+
+template <int kMech>
 void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept {
   steps<kMech>().correct(readState(), reading, s);
 }
@@ -216,16 +239,16 @@ void PushObserver<kMech>::advanceSensitivity(const Lane& command, const States& 
 }
 
 template <int kMech>
-void PushObserver<kMech>::law(const States& x, const Lane* pending, int modes, ControlLaw& law) const noexcept {
+void PushObserver<kMech>::law(const State& s, const States& x, const Lane* pending, ControlLaw& law) const noexcept {
+  const int older = data(s).delayHigh - data(s).delayLow;
   law.stiffness.fill(1.0);
   law.lead.fill(0.0);
   law.wouldBe.fill(0.0);
-  for (int k = 0; k < modes; ++k) {
+  for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     const auto g = [&](int i) { return gain(i)[k]; };
     const double p = x[kPush][k] + 0.5 * data_.period * x[kGrowth][k];
     double asked = p + g(0) * x[0][k] + g(1) * x[1][k] + g(kMech) * (x[kLag][k] + p);
-    for (int j = 0; j < data_.delayHigh - data_.delayLow; ++j)
-      asked += model_.value[ModeTable<kMech>::kPendingAt + j][k] * (pending[j][k] + p);
+    for (int j = 0; j < older; ++j) asked += model_.value[ModeTable<kMech>::kPendingAt + j][k] * (pending[j][k] + p);
     double damping = g(1);
     law.stiffness[k] = g(0);
     if (kMech == 4) {

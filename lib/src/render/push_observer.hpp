@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "render/mode_table.hpp"
 
@@ -52,7 +53,7 @@ class PushObserver {
     Lane usedScale;      // ln(mass / model's) of the numbers in use
     Lane step, tremor;   // standard deviations of the hand's force in the modes
     Lane readingVariance, largestStep, joint;
-    double count, modes;
+    double count, modes, design;
     double scale, scaleVariance;  // ln(mass / model's)
   };
   /// Rounding of a mode's reading: its variance, the largest encoder step in it, and the joint with that step.
@@ -70,8 +71,8 @@ class PushObserver {
     double lagKept, growthKept, growthSum;  // over a tick
   };
 
-  /// `unseen`: of each joint, as ModeTable().
-  PushObserver(const ModeData& data, const JointVector& unseen);
+  /// Designs that differ in the delay only. `unseen`: of each joint, as ModeTable().
+  PushObserver(const std::vector<ModeData>& designs, const JointVector& unseen);
 
   /// Describe mode k: inertia, deviations of a step of the hand and of its tremor, rounding of a reading.
   void describe(State& s, int k, double inertia, double step, double tremor, const Rounding& reading) const noexcept;
@@ -79,6 +80,8 @@ class PushObserver {
   void start(State& s, int modes, const Lane& reading) noexcept;
   /// Accept a reading and a rate that no hypothesis explains. Keeps the estimate of the mass.
   void believe(State& s, const Lane& reading, const Lane& rate) const noexcept;
+  /// Use another design.
+  void use(State& s, int design) const noexcept;
   /// Update the model to the state's inertias and scale. reload(): restore the exact model of a saved state.
   void refresh(State& s) noexcept;
   void reload(const State& s) noexcept;
@@ -93,6 +96,11 @@ class PushObserver {
   void shift(State& s, double seconds) const noexcept;
   /// Return the largest innovation of a mode, in deviations, by the hypothesis that fits best.
   double surprise(const State& s, const Lane& reading) const noexcept;
+  /// Return the logarithm of the likelihood of a reading if `more` had been added to the last command, up to a
+  /// constant.
+  double likelihood(const State& s, const Lane& reading, const Lane& more) const noexcept;
+  /// Add `more` to the command of the last prediction.
+  void command(State& s, const Lane& more) const noexcept;
   void correct(State& s, const Lane& reading) const noexcept;
   /// End old hypotheses and update mean, weights and scale.
   void merge(State& s) const noexcept;
@@ -106,8 +114,8 @@ class PushObserver {
     return model_.slope[ModeTable<kMech>::kCommandAt + i];
   }
   /// Return the law at the states x, delayLow ticks after the last sample. `pending`: older commands that may act then,
-  /// newest first.
-  void law(const States& x, const Lane* pending, int modes, ControlLaw& law) const noexcept;
+  /// as many as in the design, newest first.
+  void law(const State& s, const States& x, const Lane* pending, ControlLaw& law) const noexcept;
   /// Convert a linear function of the states a tick later to one of the present states.
   void pullBack(States& row) const noexcept;
   /// Return mean and standard deviation of a linear function of the states.
@@ -115,17 +123,19 @@ class PushObserver {
 
   /// Return the state that encoders read.
   int readState() const noexcept { return kMech == 4 && data_.drive.encoderOnLink ? 2 : 0; }
-  const ModeData& data() const noexcept { return data_; }
+  const ModeData& data(const State& s) const noexcept { return designs_[static_cast<std::size_t>(s.design)]; }
 
  private:
   const double (&gain(int i) const noexcept)[kLanes] { return model_.value[ModeTable<kMech>::kGainAt + i]; }
 
   const ModeTable<kMech>& tableOf(const State& s, int k) const noexcept {
-    return *table_[static_cast<std::size_t>(s.joint[k])];
+    return *table_[static_cast<std::size_t>(s.design)][static_cast<std::size_t>(s.joint[k])];
   }
 
-  ModeData data_;
-  std::array<std::shared_ptr<const ModeTable<kMech>>, kMaxJoints> table_;  // of each joint
+  std::vector<ModeData> designs_;
+  ModeData data_;  // of the first
+  // Of each design and joint.
+  std::vector<std::array<std::shared_ptr<const ModeTable<kMech>>, kMaxJoints>> table_;
   Model model_;
 };
 

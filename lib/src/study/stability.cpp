@@ -140,7 +140,7 @@ std::vector<LinearLoop::Wall::Mode> LinearLoop::Wall::modesOf(const ControlledMo
                                                               const std::vector<LinearCase>& cases) {
   using Observer = PushObserver<kMech>;
   constexpr int kSeen = kMech + 3;
-  Observer observer(m.data, m.unseen);
+  Observer observer({m.data}, m.unseen);
   read_ = observer.readState();
   std::vector<typename Observer::State> rest;
   for (const LinearCase& c : cases) rest.push_back(atRest<kMech>(observer, m, row, c));
@@ -152,7 +152,7 @@ std::vector<LinearLoop::Wall::Mode> LinearLoop::Wall::modesOf(const ControlledMo
     typename Observer::States x = {};
     Lane command{};
     for (int k = 0; k < kLanes; ++k) (i < kSeen ? x[i][k] : command[k]) = i < kSeen ? 1.0 : row[k];
-    observer.law(x, nullptr, m.count, law);
+    observer.law(rest.front(), x, nullptr, law);
     observer.advance(command, x);
     for (int k = 0; k < m.count; ++k) {
       Mode& mode = modes[static_cast<std::size_t>(k)];

@@ -32,7 +32,7 @@ struct PositionControlOptions {
   double period = 1e-3;             ///< of the ticks, s
   JointVector encoderStep;          ///< step of each joint's encoder, rad or m; one per joint of the device
   JointVector effort;               ///< largest torque or force of each joint, N m or N; 0: no motor
-  int delayLow = 0, delayHigh = 0;  ///< delay of a command, ticks: constant if equal, else random in between
+  int delayLow = 0, delayHigh = 0;  ///< stated delay of a command, ticks: constant if equal, else random in between
   Drive drive;                      ///< transmission between command and joint
   double scale = 1.0;               ///< Mechanism::scale()
 };
@@ -58,6 +58,9 @@ struct PositionControlState {
   double push = 0.0;       ///< estimated push of the hand against the loaded contacts, N; 0: no push
   double ignored = 0.0;    ///< samples ignored since reset() because no push explains them
   double merged = 0.0;     ///< redundant contacts of the last tick: others already hold the tool
+  /// Likeliest delay of a command, ticks: learnt from contact, at first as in the options. Random in between if they
+  /// differ.
+  int delayLow = 0, delayHigh = 0;
 };
 
 /// The renderer of position control. The mechanism must have as many joints as there are encoder steps.

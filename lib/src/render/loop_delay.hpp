@@ -1,0 +1,45 @@
+// The delays that the commands of a device may have, and how likely each is. Equations: lib/docs/position-control.md.
+#pragma once
+
+#include <vector>
+
+#include "enamel/render/position_control.hpp"
+#include "render/mode_table.hpp"
+
+namespace enamel {
+
+/// A constant delay, or a random one: each delay of a range is equally likely in each tick.
+struct LoopDelay {
+  int low, pending;  ///< ticks; older commands that may act instead of the newest
+  double acts;       ///< largest number of ticks in which a command acts: mean plus two standard deviations
+  double reaction;   ///< reactionTime(), s
+  double prior;      ///< probability before any sample
+};
+
+class DelayEstimator {
+ public:
+  static constexpr int kMost = kMaxLoopDelay + 2;  ///< delays
+
+  // Plain numbers.
+  struct State {
+    double probability[kMost], likeliest;
+  };
+
+  /// The first delay is that of the data. The others are constant: those of its range, one tick less, and one more.
+  explicit DelayEstimator(const ModeData& data);
+
+  const std::vector<LoopDelay>& delays() const noexcept { return delays_; }
+  const LoopDelay& likeliest(const State& s) const noexcept { return delays_[static_cast<std::size_t>(s.likeliest)]; }
+  /// Return data for a design of each delay.
+  std::vector<ModeData> designs(ModeData data) const;
+  State start() const noexcept;
+  /// Return whether a saved state can be continued.
+  bool accepts(const State& s) const noexcept;
+  /// Update by the logarithm of the likelihood of each constant delay in a tick, index: ticks. Realtime: yes.
+  void learn(State& s, const double (&evidence)[kMaxLoopDelay + 1]) const noexcept;
+
+ private:
+  std::vector<LoopDelay> delays_;
+};
+
+}  // namespace enamel
