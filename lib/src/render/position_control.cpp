@@ -16,7 +16,8 @@ namespace {
 // These numbers and kStick were chosen; all others are computed. lib/docs/position-control.md says what each trades.
 constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
 constexpr double kModelError = 0.15;  // share of the force that the model misses: robustness against stiffness
-constexpr double kReportError = 0.03, kReportNoise = 0.002;      // deviations of a report: share of it, of the limit
+constexpr double kReportError = 0.03, kReportNoise = 0.002;  // deviations of a report: share of it, of the limit
+constexpr double kVisible = 0.1;  // deviations of a reading: commands that differ by less do not teach the delay
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
 
 // Model of a person. A step has a deviation of 8 N, or a fifth of a weak device's largest force. The tremor is a
@@ -296,32 +297,35 @@ template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::learnDelay(const TickFrame& frame, const Lane& reading,
                                                               const Lane& command) noexcept {
   Memory& m = memory_;
-  bool areEqual = true;  // the commands in question: they tell nothing
-  for (const LoopDelay& d : delays_.delays()) areEqual = areEqual && m.sent[d.low] == m.sent[delay().low];
-  if (areEqual) return;
+  const auto& delays = delays_.delays();
   double evidence[kMaxLoopDelay + 1] = {};
-  const double before = m.delay.likeliest;
-  for (const LoopDelay& d : delays_.delays()) {
-    if (d.pending > 0) continue;
-    const JointRow& sent = m.sent[d.low];
-    if (frame.applied) {
-      for (int j = 0; j < joints_; ++j) {
-        const double report = (*frame.applied)[j] - frame.kinematics.gravity[j], error = report - sent[j],
+  if (frame.applied) {
+    for (const LoopDelay& d : delays)
+      for (int j = 0; d.pending == 0 && j < joints_; ++j) {
+        const double report = (*frame.applied)[j] - frame.kinematics.gravity[j], error = report - m.sent[d.low][j],
                      share = kReportError * report, noise = kReportNoise * frame.maxTorque[j];
         if (noise > 0.0) evidence[d.low] -= 0.5 * error * error / (share * share + noise * noise);
       }
-    } else {
-      Lane more = toModes(sent);
-      for (int k = 0; k < kLanes; ++k) more[k] -= command[k];
-      evidence[d.low] = observer_.likelihood(m.observer, reading, more);
+  } else {
+    Lane more[kMaxLoopDelay + 1];
+    double effect = 0.0;
+    for (const LoopDelay& d : delays) {
+      if (d.pending > 0) continue;
+      more[d.low] = toModes(m.sent[d.low]);
+      for (int k = 0; k < kLanes; ++k) more[d.low][k] -= command[k];
+      effect = std::max(effect, observer_.effect(m.observer, more[d.low]));
     }
+    if (effect < kVisible) return;
+    for (const LoopDelay& d : delays)
+      if (d.pending == 0) evidence[d.low] = observer_.likelihood(m.observer, reading, more[d.low]);
   }
+  const double before = m.delay.likeliest;
   delays_.learn(m.delay, evidence);
   if (m.delay.likeliest == before) return;
   if (!frame.applied) {
-    Lane more = toModes(acting(0));
-    for (int k = 0; k < kLanes; ++k) more[k] -= command[k];
-    observer_.command(m.observer, more);
+    Lane change = toModes(acting(0));
+    for (int k = 0; k < kLanes; ++k) change[k] -= command[k];
+    observer_.command(m.observer, change);
   }
   observer_.use(m.observer, static_cast<int>(m.delay.likeliest));
   observer_.refresh(m.observer);

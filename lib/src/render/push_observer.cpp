@@ -200,6 +200,17 @@ double PushObserver<kMech>::surprise(const State& s, const Lane& reading) const 
 }
 
 template <int kMech>
+double PushObserver<kMech>::effect(const State& s, const Lane& more) const noexcept {
+  const int read = readState();
+  double largest = 0.0;
+  for (int k = 0; k < static_cast<int>(s.modes); ++k) {
+    const double moves = model_.value[ModeTable<kMech>::kCommandAt + read][k] * more[k];
+    largest = std::max(largest, moves * moves / (s.P[at(read, read)][k] + s.readingVariance[k]));
+  }
+  return std::sqrt(largest);
+}
+
+template <int kMech>
 double PushObserver<kMech>::likelihood(const State& s, const Lane& reading, const Lane& more) const noexcept {
   return steps<kMech>().likelihood(readState(), model_, reading, more, s);
 }

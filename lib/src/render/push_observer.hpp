@@ -96,6 +96,9 @@ class PushObserver {
   void shift(State& s, double seconds) const noexcept;
   /// Return the largest innovation of a mode, in deviations, by the hypothesis that fits best.
   double surprise(const State& s, const Lane& reading) const noexcept;
+  /// Return by how many standard deviations the prediction of a reading would change if `more` had been added to the
+  /// last command, at most over the modes.
+  double effect(const State& s, const Lane& more) const noexcept;
   /// Return the logarithm of the likelihood of a reading if `more` had been added to the last command, up to a
   /// constant.
   double likelihood(const State& s, const Lane& reading, const Lane& more) const noexcept;
