@@ -16,7 +16,7 @@ namespace {
 // These numbers and kStick were chosen; all others are computed. lib/docs/position-control.md says what each trades.
 constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
 constexpr double kModelError = 0.15;  // share of the force that the model misses: robustness against stiffness
-constexpr double kReportError = 0.03, kReportNoise = 0.002;  // deviations of a report: share of it, of the limit
+constexpr double kReportScale = 0.03, kReportFloor = 0.002;  // deviations of a report: share of it, of the limit
 constexpr double kVisible = 0.1;  // deviations of a reading: commands that differ by less do not teach the delay
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
 
@@ -303,7 +303,7 @@ void PositionControlRenderer::ControllerOf<kMech>::learnDelay(const TickFrame& f
     for (const LoopDelay& d : delays)
       for (int j = 0; d.pending == 0 && j < joints_; ++j) {
         const double report = (*frame.applied)[j] - frame.kinematics.gravity[j], error = report - m.sent[d.low][j],
-                     share = kReportError * report, noise = kReportNoise * frame.maxTorque[j];
+                     share = kReportScale * report, noise = kReportFloor * frame.maxTorque[j];
         if (noise > 0.0) evidence[d.low] -= 0.5 * error * error / (share * share + noise * noise);
       }
   } else {
