@@ -17,6 +17,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/plugin/renderer_source.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/runtime/udp_device.hpp"
 #include "enamel/session/first_touch.hpp"
 #include "enamel/session/open_device.hpp"
@@ -165,6 +166,21 @@ std::shared_ptr<std::atomic<int>> countLines() {
   return lines;
 }
 
+std::string toText(const Delay& delay) {
+  return fmt::format("{}{}", delay.low, delay.high > delay.low ? fmt::format("..{}", delay.high) : std::string());
+}
+
+// Print what position control has learnt from contact.
+void print(const PositionControlState& learnt, const Delay& stated) {
+  const double interval = std::exp(1.96 * learnt.deviation);
+  fmt::print("position control learnt: mass {:.2f} times the file's (95 %: {:.2f} to {:.2f})", learnt.mass,
+             learnt.mass / interval, learnt.mass * interval);
+  const Delay delay{learnt.delayLow, learnt.delayHigh};
+  if (toText(delay) != toText(stated))
+    fmt::print(", delay {} ticks instead of {}: add delay={} to the URL", toText(delay), toText(stated), toText(delay));
+  fmt::print("\n");
+}
+
 // Watch a session until the end: print what happens to the device. Enter continues after a fault of the guard.
 void watch(Session& session, const std::string& url, double duration) {
   const auto lines = countLines();
@@ -225,10 +241,9 @@ void connect(const DeviceOptions& options) {
   else
     session.startOpened();
   const HapticLoop& loop = *session.loop();
-  const Delay& delay = session.opened().delay;
-  fmt::print("{} at {}: {}, delay {}{} ticks, memory {}\n", session.mechanism().name(), options.connect,
-             options.renderer, delay.low, delay.high > delay.low ? fmt::format("..{}", delay.high) : std::string(),
-             loop.memoryLocked() ? "locked" : "not locked: the system refused" + std::string(kHow));
+  const Delay delay = session.opened().delay;
+  fmt::print("{} at {}: {}, delay {} ticks, memory {}\n", session.mechanism().name(), options.connect, options.renderer,
+             toText(delay), loop.memoryLocked() ? "locked" : "not locked: the system refused" + std::string(kHow));
   std::fflush(stdout);
   watch(session, options.connect, options.duration == 0.0 ? 10.0 : options.duration);
   const GuardReason fault = session.snapshot().fault;
@@ -245,6 +260,8 @@ void connect(const DeviceOptions& options) {
   }
   tally.count(session.haptics().frame());
   tally.print();
+  if (const auto* control = dynamic_cast<const PositionControlRenderer*>(&session.haptics().renderer()))
+    print(control->state(), delay);
   if (options.spin) {
     const RemovedVolume removed = session.snapshot().removed;
     fmt::print("removed {:.3f} mm^3\n", 1e9 * std::accumulate(removed.begin(), removed.end(), 0.0));

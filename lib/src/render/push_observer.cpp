@@ -110,7 +110,14 @@ void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rat
 template <int kMech>
 void PushObserver<kMech>::use(State& s, int design) const noexcept {
   s.design = design;
-  for (int k = 0; k < static_cast<int>(s.modes); ++k) s.used[k] = 0.0;  // refresh() reads the other tables
+  s.scale = 0.0;
+  s.scaleVariance = kScalePrior * kScalePrior;
+  for (int k = 0; k < static_cast<int>(s.modes); ++k) {
+    for (int p = 0; p < static_cast<int>(s.count); ++p) s.part[p].x[kScale][k] = 0.0;
+    for (int i = 0; i < kScale; ++i) s.P[at(kScale, i)][k] = 0.0;
+    s.P[at(kScale, kScale)][k] = s.scaleVariance;
+    s.used[k] = 0.0;  // refresh() reads the other tables
+  }
 }
 
 template <int kMech>

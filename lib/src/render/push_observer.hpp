@@ -80,7 +80,7 @@ class PushObserver {
   void start(State& s, int modes, const Lane& reading) noexcept;
   /// Accept a reading and a rate that no hypothesis explains. Keeps the estimate of the mass.
   void believe(State& s, const Lane& reading, const Lane& rate) const noexcept;
-  /// Use another design.
+  /// Use another design, for another delay. Forgets the mass, because it was learnt with the commands of a wrong delay.
   void use(State& s, int design) const noexcept;
   /// Update the model to the state's inertias and scale. reload(): restore the exact model of a saved state.
   void refresh(State& s) noexcept;
