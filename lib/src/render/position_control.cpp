@@ -17,6 +17,7 @@ namespace {
 constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
 constexpr double kModelError = 0.15;  // share of the force that the model misses: robustness against stiffness
 constexpr double kReportScale = 0.03, kReportFloor = 0.002;  // deviations of a report: share of it, of the limit
+constexpr double kFalseReport = 0.05;                        // probability that a report is wrong
 constexpr double kVisible = 0.1;  // deviations of a reading: commands that differ by less do not teach the delay
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
 
@@ -300,12 +301,15 @@ void PositionControlRenderer::ControllerOf<kMech>::learnDelay(const TickFrame& f
   const auto& delays = delays_.delays();
   double evidence[kMaxLoopDelay + 1] = {};
   if (frame.applied) {
-    for (const LoopDelay& d : delays)
+    for (const LoopDelay& d : delays) {
+      double square = 0.0;
       for (int j = 0; d.pending == 0 && j < joints_; ++j) {
         const double report = (*frame.applied)[j] - frame.kinematics.gravity[j], error = report - m.sent[d.low][j],
                      share = kReportScale * report, noise = kReportFloor * frame.maxTorque[j];
-        if (noise > 0.0) evidence[d.low] -= 0.5 * error * error / (share * share + noise * noise);
+        if (noise > 0.0) square += error * error / (share * share + noise * noise);
       }
+      if (d.pending == 0) evidence[d.low] = std::log((1.0 - kFalseReport) * std::exp(-0.5 * square) + kFalseReport);
+    }
   } else {
     Lane more[kMaxLoopDelay + 1];
     double effect = 0.0;
