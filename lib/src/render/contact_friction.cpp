@@ -44,13 +44,19 @@ JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, con
       lead += (first[mode] * first[mode] + second[mode] * second[mode]) * soft * modes.law.lead[mode];
       rounding += 0.5 * (first[mode] * first[mode] + second[mode] * second[mode]) * modes.readingVariance[mode];
     }
-    const double softest = 0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab);
+    double softest = 0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab);
+    Vec3 base = contact.obstacleVelocity, after = base;  // during the delay, and when the torque acts
+    if (frame.yield.isAny) {
+      const auto at = static_cast<std::size_t>(c);
+      softest += modes.period * lead / (aa + bb) * frame.yield.across[at];
+      base -= frame.yield.velocity[at];
+      after = base + frame.yield.after[at];
+    }
     const TangentialGains gains{kStick / softest, std::sqrt(kStick) * lead / (aa + bb) / softest,
                                 std::sqrt(12.0 * rounding)};
     const Vec3 arm = contact.point - k.pose.position;
     const SurfaceMotion slide{translationAt(way6, arm) - modes.period * contact.obstacleVelocity,
-                              translationAt(ahead6, arm) - modes.seconds * contact.obstacleVelocity,
-                              translationAt(velocity6, arm) - contact.obstacleVelocity};
+                              translationAt(ahead6, arm) - modes.seconds * base, translationAt(velocity6, arm) - after};
     const Vec3 held = memory.force(contact, slide, gains, normal);
     for (int j = 0; j < modes.count; ++j)
       torque[j] += row.axes.col(0).dot(held) * row.tangent[0][j] + row.axes.col(1).dot(held) * row.tangent[1][j];

@@ -36,6 +36,16 @@ struct ContactRows {
   std::array<ContactRow, kMaxContacts> row;
 };
 
+/// Movable obstacles (Suspension) at the contacts of a tick: a force f along the normals changes the speeds of the
+/// obstacles along them, a tick later, by -T A f. Further obstacles have zeros.
+struct ContactYield {
+  bool isAny = false;                          ///< false: the other members are not set
+  double inverse[kMaxContacts][kMaxContacts];  ///< A: inverse mass of the obstacles over a tick, 1/kg
+  std::array<double, kMaxContacts> across;     ///< the largest one along the surface, at most, 1/kg
+  /// Velocity of the motion in the suspension at the contact, W, m/s: now, and after a tick without a contact force.
+  std::array<Vec3, kMaxContacts> velocity, after;
+};
+
 /// State of a renderer.
 enum class RenderMode : std::uint8_t {
   free = 0,  ///< no contact; the torque balances gravity
@@ -52,6 +62,8 @@ struct TickOutput {
   RenderMode mode = RenderMode::fault;
   bool saturated = false;    ///< a motor's limit reduced the torque
   double normalForce = 0.0;  ///< force of the wall on the tool along the deepest contact's normal, N
+  /// The same for each contact: how the force divides between movable obstacles. All 0: it acts at the deepest contact.
+  std::array<double, kMaxContacts> normalForces{};
 };
 
 /// Data of one tick, in SI units. Poses, twists and contacts are in W. Joint vectors have n entries.
@@ -72,6 +84,7 @@ struct TickFrame {
   // Find contacts, contact rows and responses.
   ContactSnapshot contacts;  ///< at the pose, deepest first
   ContactRows rows;
+  ContactYield yield;
 
   // Render.
   TickOutput output;

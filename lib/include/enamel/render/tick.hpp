@@ -93,8 +93,9 @@ class HapticTick {
   Measurement adjusted(const Measurement& measurement) const noexcept;
   Status tick(const Measurement& measurement) noexcept;
   Status sense(const Measurement& measurement) noexcept;
-  Status findContacts(double time) noexcept;
+  Status findContacts(double time, double elapsed) noexcept;
   Status render(Status status) noexcept;
+  void react() noexcept;
   void cut(double elapsed, bool isStopped) noexcept;
   void placeAt(const Pose& start) noexcept;
   std::size_t numbers() const noexcept;
