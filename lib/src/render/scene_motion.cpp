@@ -70,7 +70,7 @@ void SceneMotion::takeOver(const SceneMotion& old) noexcept {
   for (Body& body : bodies_) {
     const Body* const before = old.find(body.obstacle);
     if (before && isSameObstacle(old.scene_, scene_, static_cast<std::size_t>(body.obstacle))) body = *before;
-    place(body);
+    (void)place(body);
   }
 }
 
@@ -89,15 +89,18 @@ const Scene& SceneMotion::follow(const Scene& stated, double time, double elapse
     body.rest = obstacle.pose;
     body.restTwist = obstacle.twist;
     if (!obstacle.active) body.state = {};
+    const SuspendedState before = body.state;
     advance(of(body), elapsed, body.state);
     body.state.wrench.setZero();
-    place(body);
+    if (place(body)) continue;
+    body.state = {before.offset, Vec6::Zero(), Vec6::Zero()};  // it is farther or faster than a scene allows
+    (void)place(body);
   }
   return scene_;
 }
 
-// Move a body to where its suspension lets it be. If a limit of the scene forbids that, it stays and stops.
-void SceneMotion::place(Body& body) noexcept {
+// Move an obstacle to where its suspension lets it be.
+bool SceneMotion::place(const Body& body) noexcept {
   const Vec3& centre = of(body).centre;
   const Mat3& axes = body.rest.rotation;
   const SuspendedState& s = body.state;
@@ -109,7 +112,7 @@ void SceneMotion::place(Body& body) noexcept {
   twist.head<3>() += axes * s.velocity.head<3>() - turn.cross(pose.rotation * centre) +
                      body.restTwist.tail<3>().cross(pose.position - body.rest.position);
   twist.tail<3>() += turn;
-  if (scene_.move(body.obstacle, pose, twist) != Status::ok) body.state.velocity.setZero();
+  return scene_.move(body.obstacle, pose, twist) == Status::ok;
 }
 
 const Suspension& SceneMotion::of(const Body& body) const noexcept {
@@ -171,6 +174,11 @@ void SceneMotion::push(int obstacle, const Vec3& point, const Vec3& force) noexc
     if (body.obstacle == obstacle) body.state.wrench += wrenchAt(body, point, force);
 }
 
+void SceneMotion::push(int obstacle, const Vec6& wrench) noexcept {
+  for (Body& body : bodies_)
+    if (body.obstacle == obstacle) body.state.wrench += wrench;
+}
+
 void SceneMotion::scaleForces(double factor) noexcept {
   for (Body& body : bodies_) body.state.wrench *= factor;
 }
@@ -190,8 +198,7 @@ void SceneMotion::loadState(const double* state) noexcept {
       state += 6;
     }
     const SuspendedState& s = body.state;
-    if (!s.offset.allFinite() || !s.velocity.allFinite() || !s.wrench.allFinite()) body.state = {};
-    place(body);
+    if (!s.offset.allFinite() || !s.velocity.allFinite() || !s.wrench.allFinite() || !place(body)) body.state = {};
   }
 }
 

@@ -35,6 +35,8 @@ class SceneMotion {
 
   /// Add a force (W, N, at the hand) on a movable obstacle at a point (W, m). Others ignore it. Realtime: yes.
   void push(int obstacle, const Vec3& point, const Vec3& force) noexcept;
+  /// The same with a wrench as in SuspendedState. Realtime: yes.
+  void push(int obstacle, const Vec6& wrench) noexcept;
 
   /// Multiply all forces of push() by a factor. Realtime: yes.
   void scaleForces(double factor) noexcept;
@@ -76,7 +78,7 @@ class SceneMotion {
   };
   void followOne(const Obstacle& stated, int number, double before) noexcept;
   void goToStated(const Scene& stated) noexcept;
-  void place(Body& body) noexcept;
+  bool place(const Body& body) noexcept;
   const Suspension& of(const Body& body) const noexcept;
   const Body* find(int obstacle) const noexcept;
   Vec6 wrenchAt(const Body& body, const Vec3& point, const Vec3& force) const noexcept;

@@ -64,6 +64,10 @@ class HapticTick {
   /// sum. Not finite numbers count as zero. Realtime: yes.
   void setEffect(const Vec6& wrench) noexcept { effect_ = wrench.allFinite() ? wrench : Vec6(Vec6::Zero()); }
 
+  /// Add a wrench on a movable obstacle in the next tick, as in SuspendedState: that of another device's tool.
+  /// Realtime: yes.
+  void push(int obstacle, const Vec6& wrench) noexcept { scene_.motion().push(obstacle, wrench); }
+
   /// Set the force of the gripper's motor, N, opening it. The guard scales it as the rendered torque: zero after
   /// a fault. Not finite numbers count as zero. Realtime: yes.
   void setGripper(double force) noexcept { gripper_ = std::isfinite(force) ? force : 0.0; }
