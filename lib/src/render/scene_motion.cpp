@@ -93,7 +93,8 @@ const Scene& SceneMotion::follow(const Scene& stated, double time, double elapse
     advance(of(body), elapsed, body.state);
     body.state.wrench.setZero();
     if (place(body)) continue;
-    body.state = {before.offset, Vec6::Zero(), Vec6::Zero()};  // it is farther or faster than a scene allows
+    body.state = {};
+    body.state.offset = before.offset;  // it is farther or faster than a scene allows
     (void)place(body);
   }
   return scene_;
@@ -174,31 +175,36 @@ void SceneMotion::push(int obstacle, const Vec3& point, const Vec3& force) noexc
     if (body.obstacle == obstacle) body.state.wrench += wrenchAt(body, point, force);
 }
 
-void SceneMotion::push(int obstacle, const Vec6& wrench) noexcept {
+void SceneMotion::load(int obstacle, const Vec6& wrench) noexcept {
   for (Body& body : bodies_)
-    if (body.obstacle == obstacle) body.state.wrench += wrench;
+    if (body.obstacle == obstacle) body.state.load += wrench;
+}
+
+void SceneMotion::unload() noexcept {
+  for (Body& body : bodies_) body.state.load.setZero();
 }
 
 void SceneMotion::scaleForces(double factor) noexcept {
   for (Body& body : bodies_) body.state.wrench *= factor;
 }
 
-std::size_t SceneMotion::stateSize() const noexcept { return 18 * bodies_.size(); }
+std::size_t SceneMotion::stateSize() const noexcept { return 24 * bodies_.size(); }
 
 void SceneMotion::saveState(double* state) const noexcept {
   for (const Body& body : bodies_)
-    for (const Vec6* part : {&body.state.offset, &body.state.velocity, &body.state.wrench})
+    for (const Vec6* part : {&body.state.offset, &body.state.velocity, &body.state.wrench, &body.state.load})
       state = std::copy_n(part->data(), 6, state);
 }
 
 void SceneMotion::loadState(const double* state) noexcept {
   for (Body& body : bodies_) {
-    for (Vec6* part : {&body.state.offset, &body.state.velocity, &body.state.wrench}) {
+    for (Vec6* part : {&body.state.offset, &body.state.velocity, &body.state.wrench, &body.state.load}) {
       std::copy_n(state, 6, part->data());
       state += 6;
     }
     const SuspendedState& s = body.state;
-    if (!s.offset.allFinite() || !s.velocity.allFinite() || !s.wrench.allFinite() || !place(body)) body.state = {};
+    const bool isFinite = s.offset.allFinite() && s.velocity.allFinite() && s.wrench.allFinite() && s.load.allFinite();
+    if (!isFinite || !place(body)) body.state = {};
   }
 }
 

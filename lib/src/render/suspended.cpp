@@ -8,7 +8,8 @@ Vec6 inverseInertia(const Suspension& s, double period) noexcept {
 }
 
 Vec6 freeVelocity(const Suspension& s, const SuspendedState& state, double period) noexcept {
-  const Vec6 momentum = s.inertia.cwiseProduct(state.velocity) - period * s.stiffness.cwiseProduct(state.offset);
+  const Vec6 momentum =
+      s.inertia.cwiseProduct(state.velocity) + period * (state.load - s.stiffness.cwiseProduct(state.offset));
   return inverseInertia(s, period).cwiseProduct(momentum);
 }
 

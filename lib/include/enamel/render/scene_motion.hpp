@@ -35,8 +35,9 @@ class SceneMotion {
 
   /// Add a force (W, N, at the hand) on a movable obstacle at a point (W, m). Others ignore it. Realtime: yes.
   void push(int obstacle, const Vec3& point, const Vec3& force) noexcept;
-  /// The same with a wrench as in SuspendedState. Realtime: yes.
-  void push(int obstacle, const Vec6& wrench) noexcept;
+  /// Add to the load of a movable obstacle (SuspendedState), or remove all loads. Realtime: yes.
+  void load(int obstacle, const Vec6& wrench) noexcept;
+  void unload() noexcept;
 
   /// Multiply all forces of push() by a factor. Realtime: yes.
   void scaleForces(double factor) noexcept;

@@ -64,9 +64,9 @@ class HapticTick {
   /// sum. Not finite numbers count as zero. Realtime: yes.
   void setEffect(const Vec6& wrench) noexcept { effect_ = wrench.allFinite() ? wrench : Vec6(Vec6::Zero()); }
 
-  /// Add a wrench on a movable obstacle in the next tick, as in SuspendedState: that of another device's tool.
-  /// Realtime: yes.
-  void push(int obstacle, const Vec6& wrench) noexcept { scene_.motion().push(obstacle, wrench); }
+  /// Add to the load of a movable obstacle, or remove all loads, as SceneMotion::load(). Realtime: yes.
+  void load(int obstacle, const Vec6& wrench) noexcept { scene_.motion().load(obstacle, wrench); }
+  void unload() noexcept { scene_.motion().unload(); }
 
   /// Set the force of the gripper's motor, N, opening it. The guard scales it as the rendered torque: zero after
   /// a fault. Not finite numbers count as zero. Realtime: yes.
