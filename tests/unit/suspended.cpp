@@ -187,6 +187,7 @@ TEST_CASE("suspended: pose, velocity and contact row of a block agree", "[suspen
   SceneMotion motion(scene);
   const double T = 1e-5, last = 1e-8;  // s; in the last step the block hardly turns
   for (int i = 0; i < 2000; ++i) {
+    motion.scaleForces(0.0);
     motion.push(0, obstacle.pose.position + Vec3(0.01, 0.005, 0.0), {1.0, 2.0, -3.0});
     (void)motion.follow(scene, i * T, T);
   }
@@ -209,6 +210,7 @@ TEST_CASE("suspended: pose, velocity and contact row of a block agree", "[suspen
     CHECK(yield.across[i] >= 0.0);
   }
   CHECK(yield.inverse[0][1] == yield.inverse[1][0]);
+  motion.scaleForces(0.0);
   // A force at contact 1 changes the speed at contact 0 by the element of the matrix.
   SceneMotion free = motion;
   motion.push(0, contacts.contacts[1].point, 2.0 * contacts.contacts[1].normal);

@@ -91,13 +91,54 @@ const Scene& SceneMotion::follow(const Scene& stated, double time, double elapse
     if (!obstacle.active) body.state = {};
     const SuspendedState before = body.state;
     advance(of(body), elapsed, body.state);
-    body.state.wrench.setZero();
     if (place(body)) continue;
     body.state = {};
     body.state.offset = before.offset;  // it is farther or faster than a scene allows
     (void)place(body);
   }
   return scene_;
+}
+
+void SceneMotion::followOne(const Obstacle& stated, int number, double before) noexcept {
+  Glide& glide = glides_[static_cast<std::size_t>(number)];
+  if (stated.active != scene_.obstacles()[static_cast<std::size_t>(number)].active) {
+    (void)scene_.activate(number, stated.active);
+    (void)scene_.move(number, stated.pose, Vec6::Zero());  // it appears at its stated pose, at rest
+    glide = {stated.pose, time_ - kLongestFrame, 0.0, Vec6::Zero()};
+    return;
+  }
+  const Pose& pose = scene_.obstacles()[static_cast<std::size_t>(number)].pose;
+  const bool isNew = !isSame(stated.pose, glide.goal);
+  if (!isNew && glide.left == 0.0 && glide.twist.isZero(0.0) && stated.twist.isZero(0.0)) return;  // most obstacles
+  const double elapsed = time_ - before, since = std::min(time_ - glide.set, kLongestFrame);
+  if (!isNew && glide.left == 0.0) glide.twist.setZero();
+  Vec6 measured = glide.twist;  // from the poses
+  if (isNew) {
+    measured = twistBetween(glide.goal, stated.pose, since);
+    if (glide.set == before) {  // a new pose in every tick
+      glide.left = elapsed;
+      glide.twist = agrees(stated.twist, measured) ? stated.twist : measured;
+    } else {
+      glide.left = std::max(elapsed, kStretch * since);
+      glide.twist = twistBetween(pose, stated.pose, glide.left);
+    }
+    glide.goal = stated.pose;
+    glide.set = time_;
+  }
+  const bool begins = isNew && since == kLongestFrame;  // the first pose of a motion says nothing about the velocity
+  if (!begins && !stated.twist.isZero(0.0) && !agrees(stated.twist, measured)) {
+    ++ignored_;
+    ignoredObstacle_ = number;
+  }
+  if (glide.left > elapsed * (1.0 + 1e-9)) {
+    Pose next;
+    next.position = pose.position + elapsed * glide.twist.head<3>();
+    next.rotation = rotationFromVector(elapsed * glide.twist.tail<3>()) * pose.rotation;
+    glide.left -= elapsed;
+    if (scene_.move(number, next, glide.twist) == Status::ok) return;  // otherwise rounding has spoilt the rotation
+  }
+  glide.left = 0.0;
+  (void)scene_.move(number, glide.goal, glide.twist);
 }
 
 // Move an obstacle to where its suspension lets it be.
@@ -145,8 +186,8 @@ void SceneMotion::yieldAt(const ContactSnapshot& contacts, double period, double
     if (!body[i]) continue;
     yield.isAny = true;
     const Suspension& suspension = of(*body[i]);
-    const Vec6 inverse = scale * inverseInertia(suspension, period),
-               after = freeVelocity(suspension, body[i]->state, period);
+    const SuspendedState& state = body[i]->state;
+    const Vec6 inverse = scale * inverseInertia(suspension, period), after = freeVelocity(suspension, state, period);
     row[i] = wrenchAt(*body[i], contact.point, contact.normal);
     response[i] = inverse.cwiseProduct(row[i]);
     for (std::size_t j = 0; j <= i; ++j)
@@ -154,7 +195,7 @@ void SceneMotion::yieldAt(const ContactSnapshot& contacts, double period, double
     for (int axis = 0; axis < 3; ++axis) {
       const Vec6 along = wrenchAt(*body[i], contact.point, Vec3::Unit(axis));
       yield.across[i] += along.dot(inverse.cwiseProduct(along));
-      yield.velocity[i][axis] = along.dot(body[i]->state.velocity);
+      yield.velocity[i][axis] = along.dot(state.velocity);
       yield.after[i][axis] = along.dot(after);
     }
     yield.across[i] = std::max(0.0, yield.across[i] - yield.inverse[i][i]);
@@ -175,13 +216,9 @@ void SceneMotion::push(int obstacle, const Vec3& point, const Vec3& force) noexc
     if (body.obstacle == obstacle) body.state.wrench += wrenchAt(body, point, force);
 }
 
-void SceneMotion::load(int obstacle, const Vec6& wrench) noexcept {
+void SceneMotion::push(int obstacle, const Vec6& impulse) noexcept {
   for (Body& body : bodies_)
-    if (body.obstacle == obstacle) body.state.load += wrench;
-}
-
-void SceneMotion::unload() noexcept {
-  for (Body& body : bodies_) body.state.load.setZero();
+    if (body.obstacle == obstacle) body.state.impulse += impulse;
 }
 
 void SceneMotion::scaleForces(double factor) noexcept {
@@ -192,62 +229,20 @@ std::size_t SceneMotion::stateSize() const noexcept { return 24 * bodies_.size()
 
 void SceneMotion::saveState(double* state) const noexcept {
   for (const Body& body : bodies_)
-    for (const Vec6* part : {&body.state.offset, &body.state.velocity, &body.state.wrench, &body.state.load})
+    for (const Vec6* part : {&body.state.offset, &body.state.velocity, &body.state.wrench, &body.state.impulse})
       state = std::copy_n(part->data(), 6, state);
 }
 
 void SceneMotion::loadState(const double* state) noexcept {
   for (Body& body : bodies_) {
-    for (Vec6* part : {&body.state.offset, &body.state.velocity, &body.state.wrench, &body.state.load}) {
+    bool isFinite = true;
+    for (Vec6* part : {&body.state.offset, &body.state.velocity, &body.state.wrench, &body.state.impulse}) {
       std::copy_n(state, 6, part->data());
+      isFinite = isFinite && part->allFinite();
       state += 6;
     }
-    const SuspendedState& s = body.state;
-    const bool isFinite = s.offset.allFinite() && s.velocity.allFinite() && s.wrench.allFinite() && s.load.allFinite();
     if (!isFinite || !place(body)) body.state = {};
   }
-}
-
-void SceneMotion::followOne(const Obstacle& stated, int number, double before) noexcept {
-  Glide& glide = glides_[static_cast<std::size_t>(number)];
-  if (stated.active != scene_.obstacles()[static_cast<std::size_t>(number)].active) {
-    (void)scene_.activate(number, stated.active);
-    (void)scene_.move(number, stated.pose, Vec6::Zero());  // it appears at its stated pose, at rest
-    glide = {stated.pose, time_ - kLongestFrame, 0.0, Vec6::Zero()};
-    return;
-  }
-  const Pose& pose = scene_.obstacles()[static_cast<std::size_t>(number)].pose;
-  const bool isNew = !isSame(stated.pose, glide.goal);
-  if (!isNew && glide.left == 0.0 && glide.twist.isZero(0.0) && stated.twist.isZero(0.0)) return;  // most obstacles
-  const double elapsed = time_ - before, since = std::min(time_ - glide.set, kLongestFrame);
-  if (!isNew && glide.left == 0.0) glide.twist.setZero();
-  Vec6 measured = glide.twist;  // from the poses
-  if (isNew) {
-    measured = twistBetween(glide.goal, stated.pose, since);
-    if (glide.set == before) {  // a new pose in every tick
-      glide.left = elapsed;
-      glide.twist = agrees(stated.twist, measured) ? stated.twist : measured;
-    } else {
-      glide.left = std::max(elapsed, kStretch * since);
-      glide.twist = twistBetween(pose, stated.pose, glide.left);
-    }
-    glide.goal = stated.pose;
-    glide.set = time_;
-  }
-  const bool begins = isNew && since == kLongestFrame;  // the first pose of a motion says nothing about the velocity
-  if (!begins && !stated.twist.isZero(0.0) && !agrees(stated.twist, measured)) {
-    ++ignored_;
-    ignoredObstacle_ = number;
-  }
-  if (glide.left > elapsed * (1.0 + 1e-9)) {
-    Pose next;
-    next.position = pose.position + elapsed * glide.twist.head<3>();
-    next.rotation = rotationFromVector(elapsed * glide.twist.tail<3>()) * pose.rotation;
-    glide.left -= elapsed;
-    if (scene_.move(number, next, glide.twist) == Status::ok) return;  // otherwise rounding has spoilt the rotation
-  }
-  glide.left = 0.0;
-  (void)scene_.move(number, glide.goal, glide.twist);
 }
 
 }  // namespace enamel

@@ -76,6 +76,7 @@ Status HapticTick::tick(const Measurement& measurement) noexcept {
   status = render(status);
   guard_.step(measurement, status, frame_);
   const bool isStopped = guard_.fault() != GuardReason::none;
+  scene_.motion().scaleForces(status == Status::ok ? frame_.age / (frame_.age + 1.0) : 0.0);
   if (status == Status::ok && frame_.yield.isAny) react();
   if (status == Status::ok && isSample) cut((1 + lost) * guard_.options().period, isStopped);
   if (guard_.options().on && !isStopped && !guard_.engaged()) renderer_->reset();
@@ -139,7 +140,6 @@ void HapticTick::react() noexcept {
   }
   SceneMotion& motion = scene_.motion();
   const double share = 1.0 / (frame_.age + 1);
-  motion.scaleForces(1.0 - share);
   if (output.mode != RenderMode::contact) return;
   for (int i = 0; i < frame_.contacts.count; ++i) {
     const Contact& contact = frame_.contacts.contacts[static_cast<std::size_t>(i)];

@@ -72,11 +72,9 @@ void Session::Impl::applySharedCuts() noexcept {
 
 // Movable obstacles get the momentum that the tools of other sessions gave them.
 void Session::Impl::applySharedPushes() noexcept {
-  if (inboxes.empty()) return;
-  haptics->unload();
   for (const auto& inbox : inboxes)
     for (Mailbox::Push push; inbox->pushes.pop(push);)
-      if (exists({push.slot, push.generation})) haptics->load(push.slot, push.impulse / period);
+      if (exists({push.slot, push.generation})) haptics->push(push.slot, push.impulse);
 }
 
 void Session::Impl::sharePushes() noexcept {

@@ -26,7 +26,7 @@ class SceneMotion {
   explicit SceneMotion(const Scene& scene);
 
   /// Return the scene at `time`, s, which must not decrease; `stated` is the original. Movable obstacles advance by
-  /// `elapsed` s under the forces of push(), which then are 0. Realtime: yes.
+  /// `elapsed` s under the forces of push(). Realtime: yes.
   const Scene& follow(const Scene& stated, double time, double elapsed = 0.0) noexcept;
 
   /// Fill in how the movable obstacles at the contacts answer a force in a tick of `period` s. `scale`: of the device's
@@ -35,9 +35,8 @@ class SceneMotion {
 
   /// Add a force (W, N, at the hand) on a movable obstacle at a point (W, m). Others ignore it. Realtime: yes.
   void push(int obstacle, const Vec3& point, const Vec3& force) noexcept;
-  /// Add to the load of a movable obstacle (SuspendedState), or remove all loads. Realtime: yes.
-  void load(int obstacle, const Vec6& wrench) noexcept;
-  void unload() noexcept;
+  /// Add an impulse of another device's tool, as in SuspendedState. Realtime: yes.
+  void push(int obstacle, const Vec6& impulse) noexcept;
 
   /// Multiply all forces of push() by a factor. Realtime: yes.
   void scaleForces(double factor) noexcept;

@@ -64,9 +64,8 @@ class HapticTick {
   /// sum. Not finite numbers count as zero. Realtime: yes.
   void setEffect(const Vec6& wrench) noexcept { effect_ = wrench.allFinite() ? wrench : Vec6(Vec6::Zero()); }
 
-  /// Add to the load of a movable obstacle, or remove all loads, as SceneMotion::load(). Realtime: yes.
-  void load(int obstacle, const Vec6& wrench) noexcept { scene_.motion().load(obstacle, wrench); }
-  void unload() noexcept { scene_.motion().unload(); }
+  /// Give a movable obstacle an impulse of another device's tool, as SceneMotion::push(). Realtime: yes.
+  void push(int obstacle, const Vec6& impulse) noexcept { scene_.motion().push(obstacle, impulse); }
 
   /// Set the force of the gripper's motor, N, opening it. The guard scales it as the rendered torque: zero after
   /// a fault. Not finite numbers count as zero. Realtime: yes.
