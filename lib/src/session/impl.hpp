@@ -19,7 +19,7 @@
 namespace enamel {
 namespace session {
 
-/// What a loop does to shared obstacles, on its way to the loop of another session.
+/// Effects of a loop on shared obstacles, on their way to the loop of another session.
 struct Mailbox {
   struct Cut {
     std::uint32_t revision = 0;  // of the obstacle
