@@ -26,13 +26,14 @@ JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, con
   };
   const Vec6 way6 = motionOf(moved), ahead6 = motionOf(modes.toJoints(coming)),
              velocity6 = motionOf(modes.toJoints(modes.rate));
+  std::array<double, kMaxContacts> normals{};
+  for (int i = 0; i < count; ++i)
+    if (const double c = walls[targets[i].wall].contact; c >= 0.0) normals[static_cast<std::size_t>(c)] = force[i];
   memory.begin();
   for (int c = 0; c < frame.contacts.count; ++c) {
     const Contact& contact = frame.contacts.contacts[c];
     if (!(contact.material.friction > 0.0)) continue;
-    double normal = 0.0;
-    for (int i = 0; i < count; ++i)
-      if (walls[targets[i].wall].contact == c) normal = force[i];
+    const double normal = normals[static_cast<std::size_t>(c)];
     const ContactRow& row = frame.rows.row[c];
     const Lane first = modes.toModes(row.tangent[0]), second = modes.toModes(row.tangent[1]);
     double aa = 0.0, ab = 0.0, bb = 0.0, lead = 0.0, rounding = 0.0;
@@ -50,7 +51,7 @@ JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, con
       const auto at = static_cast<std::size_t>(c);
       softest += modes.period * lead / (aa + bb) * frame.yield.across[at];
       base -= frame.yield.velocity[at];
-      after = base + frame.yield.after[at];
+      after = base + frame.yield.afterUnder(normals, c, frame.contacts.count, modes.period);
     }
     const TangentialGains gains{kStick / softest, std::sqrt(kStick) * lead / (aa + bb) / softest,
                                 std::sqrt(12.0 * rounding)};

@@ -45,40 +45,53 @@ Status ImpedanceRenderer::render(const TickFrame& frame, TickOutput& output) noe
     state_.started = 1.0;
   }
 
+  // Spring and damper are implicit in the motion of a movable obstacle, whose inverse mass is given.
+  const auto share = [&](double stiffness, double inverse) {
+    return 1.0 / (1.0 + (stiffness * period_ + options_.damping) * period_ * inverse);
+  };
+  const ContactYield& yield = frame.yield;
+  std::array<bool, kMaxContacts> touches{};
+  for (int i = 0; i < frame.contacts.count; ++i) {
+    const Contact& contact = frame.contacts.contacts[i];
+    const auto at = static_cast<std::size_t>(i);
+    Vec3 velocity = contactVelocity(k, contact);
+    double gap = predictedGap(frame, contact, period_), inverse = 0.0;
+    if (yield.isAny) {
+      inverse = yield.inverse[i][i];
+      velocity += yield.velocity[at] - yield.after[at];
+      gap -= period_ * contact.normal.dot(yield.after[at]);
+    }
+    const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // stiffness 0: no force
+    touches[at] = gap < 0.0;
+    if (touches[at])
+      output.normalForces[at] = share(1.0 / compliance, inverse) *
+                                std::max(0.0, -gap / compliance - options_.damping * contact.normal.dot(velocity));
+  }
+
   Vec6 wrench = Vec6::Zero();
   state_.friction.begin();
   output.mode = RenderMode::free;
   for (int i = 0; i < frame.contacts.count; ++i) {
     const Contact& contact = frame.contacts.contacts[i];
+    const auto at = static_cast<std::size_t>(i);
     const Vec3 arm = contact.point - k.pose.position;
     Vec3 velocity = contactVelocity(k, contact), moves = frame.age * period_ * velocity;  // until the tick
-    double gap = predictedGap(frame, contact, period_), inverse = 0.0, across = 0.0;
-    if (frame.yield.isAny) {  // spring and damper are implicit in the motion of a movable obstacle
-      const auto at = static_cast<std::size_t>(i);
-      inverse = frame.yield.inverse[at][at];
-      across = frame.yield.across[at];
-      velocity -= frame.yield.after[at] - frame.yield.velocity[at];
-      moves -= period_ * frame.yield.after[at];
-      gap -= period_ * contact.normal.dot(frame.yield.after[at]);
+    double across = 0.0;
+    if (yield.isAny) {
+      const Vec3 after = yield.afterUnder(output.normalForces, i, frame.contacts.count, period_);
+      across = yield.across[at];
+      velocity += yield.velocity[at] - after;
+      moves -= period_ * after;
     }
-    const auto share = [&](double stiffness, double inverseMass) {
-      return 1.0 / (1.0 + (stiffness * period_ + options_.damping) * period_ * inverseMass);
-    };
     const SurfaceMotion slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, moves, velocity};
-    const double held = share(options_.stiffness, across);
+    const double held = share(options_.stiffness, across), force = output.normalForces[at];
     const TangentialGains gains{held * options_.stiffness, held * options_.damping};
-    if (!(gap < 0.0)) {
-      (void)state_.friction.force(contact, slide, gains, 0.0);  // keeps its friction state: it may touch again at once
-      continue;
-    }
-    const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // stiffness 0: no force
-    const double force = share(1.0 / compliance, inverse) *
-                         std::max(0.0, -gap / compliance - options_.damping * contact.normal.dot(velocity));
-    const Vec3 both = force * contact.normal + state_.friction.force(contact, slide, gains, force);
+    const Vec3 friction = state_.friction.force(contact, slide, gains, force);  // kept off the wall: it may touch again
+    const Vec3 both = force * contact.normal + friction;
     wrench.head<3>() += both;
     wrench.tail<3>() += arm.cross(both);
+    if (!touches[at]) continue;
     if (output.mode == RenderMode::free) output.normalForce = force;  // of the deepest contact
-    output.normalForces[static_cast<std::size_t>(i)] = force;
     output.mode = RenderMode::contact;
   }
   state_.friction.end();

@@ -176,29 +176,32 @@ void SceneMotion::yieldAt(const ContactSnapshot& contacts, double period, double
   yield.isAny = false;
   if (bodies_.empty()) return;
   std::array<const Body*, kMaxContacts> body;
-  std::array<Vec6, kMaxContacts> row, response;  // of the normals; in the axes at rest
-  for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
+  std::array<Eigen::Matrix<double, 3, 6>, kMaxContacts>
+      point;  // velocity of the contact's point, W, by that of the body
+  const auto count = static_cast<std::size_t>(contacts.count);
+  for (std::size_t i = 0; i < count; ++i) {
     const Contact& contact = contacts.contacts[i];
     body[i] = find(contact.obstacle);
-    for (std::size_t j = 0; j <= i; ++j) yield.inverse[i][j] = yield.inverse[j][i] = 0.0;
-    yield.across[i] = 0.0;
     yield.velocity[i] = yield.after[i] = Vec3::Zero();
     if (!body[i]) continue;
     yield.isAny = true;
-    const Suspension& suspension = of(*body[i]);
-    const SuspendedState& state = body[i]->state;
-    const Vec6 inverse = scale * inverseInertia(suspension, period), after = freeVelocity(suspension, state, period);
-    row[i] = wrenchAt(*body[i], contact.point, contact.normal);
-    response[i] = inverse.cwiseProduct(row[i]);
-    for (std::size_t j = 0; j <= i; ++j)
-      if (body[j] == body[i]) yield.inverse[i][j] = yield.inverse[j][i] = row[i].dot(response[j]);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vec6 along = wrenchAt(*body[i], contact.point, Vec3::Unit(axis));
-      yield.across[i] += along.dot(inverse.cwiseProduct(along));
-      yield.velocity[i][axis] = along.dot(state.velocity);
-      yield.after[i][axis] = along.dot(after);
+    for (int axis = 0; axis < 3; ++axis)
+      point[i].row(axis) = wrenchAt(*body[i], contact.point, Vec3::Unit(axis)).transpose();
+    yield.velocity[i] = point[i] * body[i]->state.velocity;
+    yield.after[i] = point[i] * freeVelocity(of(*body[i]), body[i]->state, period);
+  }
+  for (std::size_t i = 0; yield.isAny && i < count; ++i) {
+    const Vec3& normal = contacts.contacts[i].normal;
+    const Vec6 inverse = body[i] ? Vec6(scale * inverseInertia(of(*body[i]), period)) : Vec6(Vec6::Zero());
+    double all = 0.0;
+    for (std::size_t j = 0; j < count; ++j) {
+      yield.response[i][j] = Vec3::Zero();
+      if (body[i] && body[j] == body[i])
+        yield.response[i][j] = point[i] * inverse.cwiseProduct(point[j].transpose() * contacts.contacts[j].normal);
+      yield.inverse[i][j] = normal.dot(yield.response[i][j]);
     }
-    yield.across[i] = std::max(0.0, yield.across[i] - yield.inverse[i][i]);
+    if (body[i]) all = (point[i] * inverse.asDiagonal() * point[i].transpose()).trace();
+    yield.across[i] = std::max(0.0, all - yield.inverse[i][i]);
   }
 }
 

@@ -36,14 +36,19 @@ struct ContactRows {
   std::array<ContactRow, kMaxContacts> row;
 };
 
-/// Movable obstacles (Suspension) at the contacts of a tick: a force f along the normals changes the speeds of the
-/// obstacles along them, a tick later, by -T A f. Further obstacles have zeros.
+/// Movable obstacles (Suspension) at the contacts of a tick: forces f on the tool along the normals change the speeds
+/// of the obstacles along them, a tick of T s later, by -T A f. Contacts with other obstacles have zeros.
 struct ContactYield {
   bool isAny = false;                          ///< false: the other members are not set
   double inverse[kMaxContacts][kMaxContacts];  ///< A: inverse mass of the obstacles over a tick, 1/kg
   std::array<double, kMaxContacts> across;     ///< the largest one along the surface, at most, 1/kg
   /// Velocity of the motion in the suspension at the contact, W, m/s: now, and after a tick without a contact force.
   std::array<Vec3, kMaxContacts> velocity, after;
+  Vec3 response[kMaxContacts][kMaxContacts];  ///< acceleration at contact i by a unit force at contact j, W, 1/kg
+
+  /// Return the velocity at a contact after a tick of `period` s under normal forces, N. Realtime: yes.
+  Vec3 afterUnder(const std::array<double, kMaxContacts>& forces, int contact, int contacts,
+                  double period) const noexcept;
 };
 
 /// State of a renderer.
