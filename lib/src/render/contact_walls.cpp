@@ -72,7 +72,7 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
   for (int i = 0; i < static_cast<int>(memory.count) && count < kMostWalls; ++i) {
     Wall w = memory.wall[i];
     if (w.contact >= 0.0) continue;
-    w.speed = w.after = w.rest;  // where a movable obstacle moves from now on is unknown
+    w.speed = w.after = std::min(w.speed, w.rest);  // a movable obstacle is unknown from now on: it only recedes
     const Lane row = modes.toModes(w.row);
     const double soft = complianceOf(modes, row) + w.softness;
     double rate = 0.0, wouldBe = w.gap;
