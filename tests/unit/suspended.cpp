@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "enamel/collision/scene_file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
@@ -74,6 +75,7 @@ struct Bench {
     bool spring = false;  // the impedance renderer
     bool encoders = false;
     Vec3 start{0.0, 0.0, 2e-3};
+    Tool tool;
   };
 
   explicit Bench(const Setting& s) {
@@ -90,7 +92,7 @@ struct Bench {
     else
       renderer = std::make_unique<PositionControlRenderer>(positionControlFor(*mechanism, kTick, s.delay, s.delay));
     scene.add(s.obstacle);
-    haptics = std::make_unique<HapticTick>(*mechanism, scene, Tool{}, *renderer, kTick, setup.start);
+    haptics = std::make_unique<HapticTick>(*mechanism, scene, s.tool, *renderer, kTick, setup.start);
     loop = std::make_unique<LoopBody>(*virtualDevice, *haptics, HapticLoopOptions{});
   }
 
@@ -319,6 +321,59 @@ TEST_CASE("suspended: a pressed tooth sinks by force over stiffness", "[suspende
       CHECK(force == Approx(5.0).epsilon(0.01));
       CHECK(mean == Approx(force / 5e4).epsilon(0.02));
     }
+}
+
+TEST_CASE("suspended: friction holds the tool on a mobile molar, on a cusp and in a fissure", "[suspended]") {
+  const SceneFile file = loadScene(std::string(ENAMEL_SOURCE_DIR) + "/data/scenes/mobile-molar.toml");
+  for (const auto& [onCusp, isMobile] : {std::pair(false, true), {true, true}, {false, false}, {true, false}}) {
+    Bench::Setting setting{"tau-nominal.toml", kClosedForm, file.scene.obstacles()[0], 0, false, true};
+    if (!isMobile) setting.obstacle.suspension = nullptr;
+    setting.tool = file.tool;
+    setting.start = onCusp ? Vec3(1.11e-3, -1.727e-3, 4.66e-3) : Vec3(0.0, 0.0, 4e-3);
+    const Vec3 push = onCusp ? Vec3(0.29, -0.44, -0.85) : Vec3(0.0, 0.0, -1.0);
+    Bench bench(setting);
+    Vec3 place = Vec3::Zero();
+    double largest = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      REQUIRE(bench.step([&](double, const Pose&, const Vec6& twist) {
+        return Vec3((i < 300 ? 1.0 : 4.0) * push - 3.0 * twist.head<3>());
+      }));
+      if (i == 500) place = bench.tool().position;
+      if (i > 500) largest = std::max(largest, (bench.tool().position - place).norm());
+    }
+    CHECK(bench.haptics->frame().output.mode == RenderMode::contact);
+    CHECK(largest < 2e-5);  // m, in half a second, of the chatter
+  }
+}
+
+TEST_CASE("suspended: a saved motion continues bit for bit", "[suspended]") {
+  Scene scene;
+  scene.add(block(sprung(0.01, 500.0, 0.1)));
+  SceneMotion motion(scene), copy(scene);
+  const auto run = [&](SceneMotion& m, int from) {
+    for (int i = from; i < from + 50; ++i) {
+      m.scaleForces(0.0);
+      m.push(0, {0.01, 0.0, 0.0}, {0.1 * std::sin(i), 0.2, -1.0});
+      m.push(0, Vec6(Vec6::Constant(1e-5)));
+      (void)m.follow(scene, kTick * i, kTick);
+    }
+  };
+  run(motion, 0);
+  std::vector<double> state(motion.stateSize());
+  motion.saveState(state.data());
+  copy.loadState(state.data());
+  run(motion, 50);
+  run(copy, 50);
+  CHECK(motion.suspended(0)->offset == copy.suspended(0)->offset);
+  CHECK(motion.suspended(0)->velocity == copy.suspended(0)->velocity);
+  CHECK(motion.scene().obstacles()[0].pose.position == copy.scene().obstacles()[0].pose.position);
+  CHECK(!motion.suspended(0)->offset.isZero(0.0));
+  state[3] = std::nan("");
+  copy.loadState(state.data());
+  CHECK(copy.suspended(0)->offset.isZero(0.0));
+  motion.reset(scene);
+  CHECK(motion.suspended(0)->velocity.isZero(0.0));
+  CHECK(motion.scene().obstacles()[0].pose.position == scene.obstacles()[0].pose.position);
 }
 
 TEST_CASE("suspended: stable on imperfect devices at every delay", "[suspended]") {
