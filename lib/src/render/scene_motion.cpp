@@ -89,11 +89,11 @@ const Scene& SceneMotion::follow(const Scene& stated, double time, double elapse
     body.rest = obstacle.pose;
     body.restTwist = obstacle.twist;
     if (!obstacle.active) body.state = {};
-    const SuspendedState before = body.state;
+    const Vec6 last = body.state.offset;
     advance(of(body), elapsed, body.state);
     if (place(body)) continue;
     body.state = {};
-    body.state.offset = before.offset;  // it is farther or faster than a scene allows
+    body.state.offset = last;  // it is farther or faster than a scene allows
     (void)place(body);
   }
   return scene_;
