@@ -36,8 +36,8 @@ struct ContactRows {
   std::array<ContactRow, kMaxContacts> row;
 };
 
-/// Movable obstacles (Suspension) at the contacts of a tick: forces f on the tool along the normals change the speeds
-/// of the obstacles along them, a tick of T s later, by -T A f. Contacts with other obstacles have zeros.
+/// Movable obstacles (Suspension) at the contacts of a tick of T s. Forces f on the tool along the normals change the
+/// speeds of the obstacles along them by -T A f. Contacts with other obstacles have zeros.
 struct ContactYield {
   bool isAny = false;                          ///< false: the other members are not set
   double inverse[kMaxContacts][kMaxContacts];  ///< A: inverse mass of the obstacles over a tick, 1/kg
