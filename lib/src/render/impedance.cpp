@@ -45,27 +45,28 @@ Status ImpedanceRenderer::render(const TickFrame& frame, TickOutput& output) noe
     state_.started = 1.0;
   }
 
+  const ContactYield& yield = frame.yield;
   // Spring and damper are implicit in the motion of a movable obstacle, whose inverse mass is given.
   const auto share = [&](double stiffness, double inverse) {
     return 1.0 / (1.0 + (stiffness * period_ + options_.damping) * period_ * inverse);
   };
-  const ContactYield& yield = frame.yield;
-  std::array<bool, kMaxContacts> touches{};
-  for (int i = 0; i < frame.contacts.count; ++i) {
+  // Return the normal force; below 0: no contact.
+  const auto pressAt = [&](int i, Vec3 velocity) {
     const Contact& contact = frame.contacts.contacts[i];
-    const auto at = static_cast<std::size_t>(i);
-    Vec3 velocity = contactVelocity(k, contact);
-    double gap = predictedGap(frame, contact, period_), inverse = 0.0;
-    if (yield.isAny) {
-      inverse = yield.inverse[i][i];
-      velocity += yield.velocity[at] - yield.after[at];
-      gap -= period_ * contact.normal.dot(yield.after[at]);
-    }
+    double gap = predictedGap(frame, contact, period_), answers = 1.0;
     const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // stiffness 0: no force
-    touches[at] = gap < 0.0;
-    if (touches[at])
-      output.normalForces[at] = share(1.0 / compliance, inverse) *
-                                std::max(0.0, -gap / compliance - options_.damping * contact.normal.dot(velocity));
+    if (yield.isAny) {
+      velocity += yield.velocity[i] - yield.after[i];
+      gap -= period_ * contact.normal.dot(yield.after[i]);
+      answers = share(1.0 / compliance, yield.inverse[i][i]);
+    }
+    if (!(gap < 0.0)) return -1.0;
+    return answers * std::max(0.0, -gap / compliance - options_.damping * contact.normal.dot(velocity));
+  };
+  std::array<double, kMaxContacts> pressed;
+  for (int i = 0; yield.isAny && i < frame.contacts.count; ++i) {
+    pressed[i] = pressAt(i, contactVelocity(k, frame.contacts.contacts[i]));
+    output.normalForces[i] = std::max(0.0, pressed[i]);
   }
 
   Vec6 wrench = Vec6::Zero();
@@ -73,25 +74,27 @@ Status ImpedanceRenderer::render(const TickFrame& frame, TickOutput& output) noe
   output.mode = RenderMode::free;
   for (int i = 0; i < frame.contacts.count; ++i) {
     const Contact& contact = frame.contacts.contacts[i];
-    const auto at = static_cast<std::size_t>(i);
     const Vec3 arm = contact.point - k.pose.position;
     Vec3 velocity = contactVelocity(k, contact), moves = frame.age * period_ * velocity;  // until the tick
-    double across = 0.0;
+    const double force = yield.isAny ? pressed[i] : pressAt(i, velocity);
+    TangentialGains gains{options_.stiffness, options_.damping};
     if (yield.isAny) {
       const Vec3 after = yield.afterUnder(output.normalForces, i, frame.contacts.count, period_);
-      across = yield.across[at];
-      velocity += yield.velocity[at] - after;
+      const double answers = share(options_.stiffness, yield.across[i]);
+      gains = {answers * options_.stiffness, answers * options_.damping};
+      velocity += yield.velocity[i] - after;
       moves -= period_ * after;
     }
     const SurfaceMotion slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, moves, velocity};
-    const double held = share(options_.stiffness, across), force = output.normalForces[at];
-    const TangentialGains gains{held * options_.stiffness, held * options_.damping};
-    const Vec3 friction = state_.friction.force(contact, slide, gains, force);  // kept off the wall: it may touch again
-    const Vec3 both = force * contact.normal + friction;
+    if (force < 0.0) {
+      (void)state_.friction.force(contact, slide, gains, 0.0);  // keeps its friction state: it may touch again at once
+      continue;
+    }
+    const Vec3 both = force * contact.normal + state_.friction.force(contact, slide, gains, force);
     wrench.head<3>() += both;
     wrench.tail<3>() += arm.cross(both);
-    if (!touches[at]) continue;
     if (output.mode == RenderMode::free) output.normalForce = force;  // of the deepest contact
+    output.normalForces[i] = force;
     output.mode = RenderMode::contact;
   }
   state_.friction.end();
