@@ -75,7 +75,7 @@ struct Bench {
     bool spring = false;  // the impedance renderer
     bool encoders = false;
     Vec3 start{0.0, 0.0, 2e-3};
-    Tool tool;
+    Tool tool = {};
   };
 
   explicit Bench(const Setting& s) {
