@@ -131,6 +131,15 @@ namespace Enamel
     }
 
     [StructLayout(LayoutKind.Sequential)]
+    public struct EnamelSuspension
+    {
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] centre;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 6)] public double[] inertia;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 6)] public double[] stiffness;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 6)] public double[] damping;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
     public struct EnamelToolPart
     {
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] a;
@@ -384,6 +393,9 @@ namespace Enamel
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_set_material(IntPtr session, EnamelObstacle obstacle, ref EnamelMaterial material);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_set_suspension(IntPtr session, EnamelObstacle obstacle, ref EnamelSuspension suspension);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_activate(IntPtr session, EnamelObstacle obstacle, int active);

@@ -269,6 +269,15 @@ class EnamelMaterial(Structure):
     ]
 
 
+class EnamelSuspension(Structure):
+    _fields_ = [
+        ("centre", (c_double * 3)),
+        ("inertia", (c_double * 6)),
+        ("stiffness", (c_double * 6)),
+        ("damping", (c_double * 6)),
+    ]
+
+
 class EnamelToolPart(Structure):
     _fields_ = [
         ("a", (c_double * 3)),
@@ -472,6 +481,7 @@ _FUNCTIONS = {
     "enamel_find": (c_int32, [c_void_p, c_char_p, POINTER(EnamelObstacle)]),
     "enamel_move": (c_int32, [c_void_p, EnamelObstacle, POINTER(EnamelPose), POINTER(c_double)]),
     "enamel_set_material": (c_int32, [c_void_p, EnamelObstacle, POINTER(EnamelMaterial)]),
+    "enamel_set_suspension": (c_int32, [c_void_p, EnamelObstacle, POINTER(EnamelSuspension)]),
     "enamel_activate": (c_int32, [c_void_p, EnamelObstacle, c_int32]),
     "enamel_move_vertices": (c_int32, [c_void_p, EnamelObstacle, POINTER(c_int32), POINTER(c_double), c_size_t]),
     "enamel_restore": (c_int32, [c_void_p, EnamelObstacle]),

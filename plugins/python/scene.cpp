@@ -166,7 +166,27 @@ void addObstacles(SceneClass& scene) {
           py::arg("name"), py::arg("centre"), py::arg("size"), py::arg("rotation") = py::none(),
           py::arg("stiffness") = rigid, py::arg("friction") = 0.0,
           "Add a box about `centre` with edges of `size`, m, and return its number. Raises Error if a size is not "
-          "positive.");
+          "positive.")
+      .def(
+          "suspend",
+          [](SceneFile& self, int obstacle, const Array& inertia, const Array& stiffness, const Array& damping,
+             const Array& centre) {
+            const auto slot = static_cast<std::size_t>(obstacle);
+            if (slot >= self.scene.obstacles().size())
+              throw Error("the scene has no obstacle " + std::to_string(obstacle));
+            Obstacle movable = self.scene.obstacles()[slot];
+            movable.suspension = std::make_shared<const Suspension>(Suspension{
+                vec3(centre, "centre", "m"), vec6(inertia, "inertia", "kg and kg m^2"),
+                vec6(stiffness, "stiffness", "N/m and N m/rad"), vec6(damping, "damping", "N s/m and N m s/rad")});
+            self.scene.replace(obstacle, std::move(movable));
+          },
+          py::arg("obstacle"), py::arg("inertia"), py::arg("stiffness") = py::make_tuple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+          py::arg("damping") = py::make_tuple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+          py::arg("centre") = py::make_tuple(0.0, 0.0, 0.0),
+          "Let contact forces move an obstacle: a body on springs and dampers along and about the axes of its frame, "
+          "at "
+          "`centre` (m). The other arguments have six numbers: along x, y, z (kg, N/m, N s/m), then about them. Raises "
+          "Error if a number is not valid.");
 }
 
 void addMeshObstacle(SceneClass& scene) {

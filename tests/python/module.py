@@ -109,6 +109,11 @@ class Scenes(unittest.TestCase):
         moved = scene.nearest([[0, 0, 1.5]])
         np.testing.assert_allclose(moved["gap"], 0.25)
         np.testing.assert_allclose(moved["velocity"][0], [1, 0, 0])
+        scene.suspend(box, (1, 1, 1, 0, 0, 0), stiffness=(10, 10, 10, 0, 0, 0), damping=(1, 1, 1, 0, 0, 0), centre=(0, 0, 1))
+        with self.assertRaisesRegex(enamel.Error, "suspension must be at least 0"):
+            scene.suspend(box, (-1, 1, 1, 0, 0, 0))
+        with self.assertRaisesRegex(enamel.Error, "no obstacle 7"):
+            scene.suspend(7, (1, 1, 1, 0, 0, 0))
         with self.assertRaisesRegex(enamel.Error, "ball"):
             scene.add_sphere("ball", (0, 0, 1), 0.25)
         with self.assertRaisesRegex(enamel.Error, "is not a mesh"):

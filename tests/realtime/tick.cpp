@@ -29,6 +29,13 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
   };
   const TauMechanism device(test::nominal());
   const Scene wall = flatWall();
+  Scene movable;  // on springs
+  Suspension suspension;
+  suspension.inertia.fill(2e-3);
+  suspension.stiffness.fill(5e4);
+  Obstacle block = wall.obstacles()[0];
+  block.suspension = std::make_shared<const Suspension>(suspension);
+  movable.add(block);
   HoldRenderer hold = test::holdRenderer();
   ImpedanceRenderer spring({6000.0, 0.0});
   PassivityRenderer passive(std::make_unique<ImpedanceRenderer>(ImpedanceOptions{6000.0, 0.0}));
@@ -44,7 +51,7 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
        {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring),
         static_cast<Renderer*>(&passive), static_cast<Renderer*>(&remembering), static_cast<Renderer*>(&coupling),
         static_cast<Renderer*>(&foreseeing), static_cast<Renderer*>(&heavy)}) {
-    HapticTick tick(device, wall, Tool(), *renderer, 1e-3);
+    HapticTick tick(device, renderer == &servo || renderer == &spring ? movable : wall, Tool(), *renderer, 1e-3);
     Encoders encoders({true, RateSource::lowPass, 100.0}, device.limits().encoderStep, 1e-3);
     const RandomStream stream(1, 0);
     Motors motors({0, 3}, JointVector::Zero(6));

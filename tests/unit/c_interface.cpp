@@ -261,6 +261,7 @@ TEST_CASE("NULL and wrong sizes are errors of every function", "[c]") {
                                     enamel_find(nullptr, "a", &id),
                                     enamel_move(nullptr, id, &pose, nullptr),
                                     enamel_set_material(nullptr, id, nullptr),
+                                    enamel_set_suspension(nullptr, id, nullptr),
                                     enamel_activate(nullptr, id, 1),
                                     enamel_move_vertices(nullptr, id, &flag, numbers, 1),
                                     enamel_restore(nullptr, id),

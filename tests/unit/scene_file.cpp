@@ -183,6 +183,35 @@ TEST_CASE("scene files: solids and burs", "[scene]") {
   refuses("wear = 0.2", "speed = 1", "is not a known key");
 }
 
+TEST_CASE("scene files: a suspension is read", "[scene]") {
+  const auto with = [](const std::string& keys) {
+    return parseScene(
+        "name = \"a\"\nstart = [0, 0, 0.1]\n[[obstacle]]\nname = \"tooth\"\nshape = \"sphere\"\n"
+        "centre = [0, 0, 0]\nradius = 0.01\n[obstacle.suspension]\n" +
+            keys,
+        "s.toml");
+  };
+  const std::string mass = "inertia = [1, 1, 2, 0, 0, 3]\n";
+  const SceneFile loose = with(mass), sprung = with(mass +
+                                                    "stiffness = [1, 2, 3, 4, 5, 6]\ndamping = [0, 0, 7, 0, 0, 0]\n"
+                                                    "centre = [0.1, 0.2, 0.3]\n");
+  const Suspension& free = *loose.scene.obstacles()[0].suspension;
+  CHECK(free.inertia == (Vec6() << 1, 1, 2, 0, 0, 3).finished());
+  CHECK((free.stiffness.isZero(0.0) && free.damping.isZero(0.0) && free.centre.isZero(0.0)));
+  const Suspension& held = *sprung.scene.obstacles()[0].suspension;
+  CHECK(held.stiffness == (Vec6() << 1, 2, 3, 4, 5, 6).finished());
+  CHECK(held.damping == (Vec6() << 0, 0, 7, 0, 0, 0).finished());
+  CHECK(held.centre == Vec3(0.1, 0.2, 0.3));
+  CHECK_THROWS_WITH(with(""), test::ContainsSubstring("obstacle[0].suspension.inertia: is missing"));
+  CHECK_THROWS_WITH(with("inertia = [0, 0, 0, 0, 0, 0]\n"),
+                    test::ContainsSubstring("is 0 along and about every axis, must be above 0 in one"));
+  CHECK_THROWS_WITH(with("inertia = [1, 1, -1, 0, 0, 0]\n"),
+                    test::ContainsSubstring("suspension.inertia[2]: is -1, must be in 0 to 1e+06 kg or kg m^2"));
+  CHECK_THROWS_WITH(with(mass + "stiffness = [0, 2e9, 0, 0, 0, 0]\n"),
+                    test::ContainsSubstring("suspension.stiffness[1]: is 2e+09, must be in 0 to 1e+09 N/m or N m/rad"));
+  CHECK_THROWS_WITH(with(mass + "mass = 1\n"), test::ContainsSubstring("suspension.mass: is not a known key"));
+}
+
 TEST_CASE("scene files: what is refused, and how", "[scene]") {
   requireRefused("name = \"test\"\n", "", "scene.toml:1: name: is missing");
   requireRefused("name = \"test\"", "platform = {}",

@@ -342,6 +342,51 @@ TEST_CASE("two sessions share a solid: each cuts its own copy, and both copies b
   CHECK_THROWS_WITH(Session(burs.definitionOfSecond), ContainsSubstring("have not run yet"));
 }
 
+TEST_CASE("two sessions push one tooth, and each tool feels the other", "[session]") {
+  constexpr double kStiffness = 5e4, kForce = 4.0;  // N/m, N
+  SessionObstacle tooth;
+  tooth.name = "tooth";
+  tooth.shape = Box{{0.02, 0.02, 0.01}};
+  tooth.pose.position = {0.0, 0.0, -0.01};
+  Suspension suspension;
+  suspension.inertia[2] = 2e-3;
+  suspension.stiffness[2] = kStiffness;
+  SessionDef def = definition();
+  const auto first = std::make_shared<Session>(def);
+  const ObstacleId id = first->add(tooth);
+  first->setSuspension(id, suspension);
+  def.sharesWith = first;
+  def.start->position.x() = 5e-3;
+  Session second(def);
+  VirtualDevice a(first->mechanism(), Bench::setupOf(*first)), b(second.mechanism(), Bench::setupOf(second));
+  const auto sunk = [&](const Session& session) { return -session.haptics().scene().motion().suspended(0)->offset[2]; };
+  const auto run = [&](int ticks, double forceOfFirst) {
+    double mean[2] = {};
+    for (int i = 0; i < ticks; ++i) {
+      test::tickOnce(*first, a, i < 100 ? forceOfFirst : std::max(0.0, forceOfFirst));
+      test::tickOnce(second, b, kForce);
+      if (i < ticks / 2) continue;
+      mean[0] += 2.0 * sunk(*first) / ticks;
+      mean[1] += 2.0 * sunk(second) / ticks;
+    }
+    return std::pair<double, double>(mean[0], mean[1]);
+  };
+  const auto both = run(1000, kForce);
+  CHECK(both.first == Approx(2.0 * kForce / kStiffness).epsilon(0.02));
+  CHECK(both.second == Approx(2.0 * kForce / kStiffness).epsilon(0.02));
+  CHECK(-b.state().position.z() == Approx(both.second).margin(1e-5));  // its tool lies on the tooth
+  const auto one = run(1000, -0.2);                                    // the first tool leaves
+  CHECK(a.state().position.z() > 1e-4);
+  CHECK(one.first == Approx(kForce / kStiffness).epsilon(0.02));
+  CHECK(one.second == Approx(kForce / kStiffness).epsilon(0.02));
+  first->setSuspension(id, std::nullopt);
+  (void)run(100, -0.2);
+  CHECK(first->haptics().scene().motion().suspended(0) == nullptr);
+  CHECK(second.haptics().scene().scene().obstacles()[0].pose.position == tooth.pose.position);
+  suspension.stiffness[2] = -1.0;
+  CHECK_THROWS_WITH(first->setSuspension(id, suspension), ContainsSubstring("suspension must be at least 0"));
+}
+
 TEST_CASE("a bur that comes after spin() spins", "[session]") {
   test::TwoBurs burs({0.0, 0.0, 20e-3});
   Session& session = *burs.first;

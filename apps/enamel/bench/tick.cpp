@@ -159,6 +159,30 @@ void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOpti
   }
 }
 
+// Compare a tick at a fixed block with one at the same block on springs, as stiff as a tooth on its ligament.
+void addMovable(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
+                const std::vector<std::pair<const char*, Renderer*>>& renderers, std::vector<Measurement>& rows) {
+  Obstacle block{"block", Box{{0.02, 0.02, 0.01}}, Pose{}, Vec6::Zero(), {}};
+  block.pose.position.z() = -0.01;
+  Scene fixed, movable;
+  fixed.add(block);
+  Suspension tooth;
+  tooth.inertia << 2e-3, 2e-3, 2e-3, 6e-8, 6e-8, 3e-8;
+  tooth.stiffness << 9.8e4, 9.8e4, 2.5e5, 14.0, 14.0, 14.0;
+  block.suspension = std::make_shared<const Suspension>(tooth);
+  movable.add(block);
+  const Path path = pathThroughTheWall(mechanism, ticks, 5e-5, -1e-4);
+  for (const auto& [name, renderer] : renderers) {
+    HapticTick atFixed(mechanism, fixed, Tool{}, *renderer, guarded);
+    rows.push_back(timeTicks(std::string("whole tick, fixed block, ") + name, path, 1, atFixed));
+    const double reference_us = rows.back().median_us;
+    HapticTick atMovable(mechanism, movable, Tool{}, *renderer, guarded);
+    rows.push_back(timeTicks(std::string("whole tick, movable block, ") + name, path, 1, atMovable));
+    rows.back().reference_us = reference_us;
+    renderer->reset();
+  }
+}
+
 // The measurements and their common inputs.
 struct TickBench {
   std::shared_ptr<const TauMechanism> mechanism;
@@ -343,6 +367,8 @@ std::vector<Measurement> measureTick(double scale) {
   addRenderer(bench, {"impedance", &spring, "/enamel_impedance.so", {}});
   addNumbersOfContacts(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}},
                        bench.rows);
+  addMovable(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}},
+             bench.rows);
   addRecording(bench, servo);
   addPush(bench, hold, std::max(10, static_cast<int>(100 * scale)));
   return std::move(bench.rows);

@@ -22,6 +22,12 @@ inline Pose poseOf(const EnamelPose& pose) noexcept {
 inline Vec6 twistOf(const double* twist) noexcept {
   return twist == nullptr ? Vec6(Vec6::Zero()) : Vec6(Eigen::Map<const Vec6>(twist));
 }
+inline std::optional<Suspension> suspensionOf(const EnamelSuspension* s) {
+  if (s == nullptr) return std::nullopt;
+  return Suspension{Eigen::Map<const Vec3>(s->centre), Eigen::Map<const Vec6>(s->inertia),
+                    Eigen::Map<const Vec6>(s->stiffness), Eigen::Map<const Vec6>(s->damping)};
+}
+
 inline Material materialOf(const EnamelMaterial& m) noexcept {
   return {m.stiffness, m.friction, m.sliding_friction, m.viscosity};
 }

@@ -273,6 +273,11 @@ std::int32_t enamel_set_material(EnamelSession* session, EnamelObstacle obstacle
                  [&](Session& s) { s.setMaterial(idOf(obstacle), c::materialOf(*material)); });
 }
 
+std::int32_t enamel_set_suspension(EnamelSession* session, EnamelObstacle obstacle,
+                                   const EnamelSuspension* suspension) {
+  return run(session, [&](Session& s) { s.setSuspension(idOf(obstacle), c::suspensionOf(suspension)); });
+}
+
 std::int32_t enamel_activate(EnamelSession* session, EnamelObstacle obstacle, std::int32_t active) {
   return run(session, [&](Session& s) { s.activate(idOf(obstacle), active != 0); });
 }

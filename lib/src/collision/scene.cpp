@@ -64,6 +64,15 @@ void Scene::check(const Obstacle& obstacle, std::size_t number) const {
   const bool isMesh = std::holds_alternative<std::shared_ptr<const MeshModel>>(obstacle.shape);
   if (!(obstacle.thickness >= 0.0 && std::isfinite(obstacle.thickness)) || (obstacle.thickness > 0.0 && !isMesh))
     throw Error(name + ": the thickness must be at least 0 m and finite, and 0 m unless the shape is a mesh");
+  if (!obstacle.suspension) return;
+  const Suspension& s = *obstacle.suspension;
+  const auto isSound = [](const Vec6& v) { return v.allFinite() && v.minCoeff() >= 0.0; };
+  if (!s.centre.allFinite() || !isNear(s.centre) || !isSound(s.inertia) || !isSound(s.stiffness) ||
+      !isSound(s.damping) || s.inertia.isZero(0.0))
+    throw Error(name +
+                ": inertia, stiffness and damping of the suspension must be at least 0 and finite, an inertia "
+                "must be above 0, and its centre within " +
+                formatNumber(kFarthest) + " m");
 }
 
 int Scene::add(Obstacle obstacle) {

@@ -18,6 +18,7 @@ constexpr double kSmallestSize = 1e-4, kLargestSize = 2.0;
 constexpr double kLargestToolRadius = 0.05;
 constexpr double kLeastHardness = 1e3, kMostHardness = 1e12;  // Pa
 constexpr double kLeastThickness = 1e-6, kMostThickness = 0.01;
+constexpr double kMostInertia = 1e6, kMostStiffness = 1e9, kMostDamping = 1e6;  // of a suspension, SI
 constexpr int kMaxObstacles = 64;
 
 void requireWithin(const TomlTable& table, const char* key, const Vec3& value, double low, double high,
@@ -144,6 +145,26 @@ void readMaterial(TomlTable& table, Material& material) {
   read("viscosity", 0.0, 1e3, " N s/m", material.viscosity);
 }
 
+std::shared_ptr<const Suspension> readSuspension(TomlTable& obstacle) {
+  if (!obstacle.has("suspension")) return nullptr;
+  TomlTable table = obstacle.table("suspension");
+  Suspension suspension;
+  const auto read = [&table](const char* key, double high, const char* units, Vec6& value) {
+    value = table.vector6(key);
+    for (int i = 0; i < 6; ++i)
+      if (!(value[i] >= 0.0 && value[i] <= high))
+        table.fail(std::string(key) + "[" + std::to_string(i) + "]",
+                   "is " + formatNumber(value[i]) + ", must be in 0 to " + formatNumber(high) + " " + units);
+  };
+  if (table.has("centre")) suspension.centre = position(table, "centre");
+  read("inertia", kMostInertia, "kg or kg m^2", suspension.inertia);
+  if (suspension.inertia.isZero(0.0)) table.fail("inertia", "is 0 along and about every axis, must be above 0 in one");
+  if (table.has("stiffness")) read("stiffness", kMostStiffness, "N/m or N m/rad", suspension.stiffness);
+  if (table.has("damping")) read("damping", kMostDamping, "N s/m or N m s/rad", suspension.damping);
+  table.finish();
+  return std::make_shared<const Suspension>(suspension);
+}
+
 SolidLayer readLayer(TomlTable& table, const std::string& sceneFile, double scale) {
   SolidLayer layer;
   layer.name = table.text("name");
@@ -201,6 +222,7 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
                "is \"" + shape + "\", must be \"half_space\", \"box\", \"sphere\", \"capsule\", \"mesh\" or \"solid\"");
   obstacle.name = name;
   readMaterial(table, obstacle.material);
+  obstacle.suspension = readSuspension(table);
   table.finish();
   return obstacle;
 }

@@ -26,13 +26,14 @@ JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, con
   };
   const Vec6 way6 = motionOf(moved), ahead6 = motionOf(modes.toJoints(coming)),
              velocity6 = motionOf(modes.toJoints(modes.rate));
+  std::array<double, kMaxContacts> normals{};
+  for (int i = 0; i < count; ++i)
+    if (const double c = walls[targets[i].wall].contact; c >= 0.0) normals[static_cast<std::size_t>(c)] = force[i];
   memory.begin();
   for (int c = 0; c < frame.contacts.count; ++c) {
     const Contact& contact = frame.contacts.contacts[c];
     if (!(contact.material.friction > 0.0)) continue;
-    double normal = 0.0;
-    for (int i = 0; i < count; ++i)
-      if (walls[targets[i].wall].contact == c) normal = force[i];
+    const double normal = normals[static_cast<std::size_t>(c)];
     const ContactRow& row = frame.rows.row[c];
     const Lane first = modes.toModes(row.tangent[0]), second = modes.toModes(row.tangent[1]);
     double aa = 0.0, ab = 0.0, bb = 0.0, lead = 0.0, rounding = 0.0;
@@ -44,13 +45,19 @@ JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, con
       lead += (first[mode] * first[mode] + second[mode] * second[mode]) * soft * modes.law.lead[mode];
       rounding += 0.5 * (first[mode] * first[mode] + second[mode] * second[mode]) * modes.readingVariance[mode];
     }
-    const double softest = 0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab);
+    double softest = 0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab);
+    Vec3 base = contact.obstacleVelocity, after = base;  // during the delay, and when the torque acts
+    if (frame.yield.isAny) {
+      const auto at = static_cast<std::size_t>(c);
+      softest += modes.period * lead / (aa + bb) * frame.yield.across[at];
+      base -= frame.yield.velocity[at];
+      after = base + frame.yield.afterUnder(normals, c, frame.contacts.count, modes.period);
+    }
     const TangentialGains gains{kStick / softest, std::sqrt(kStick) * lead / (aa + bb) / softest,
                                 std::sqrt(12.0 * rounding)};
     const Vec3 arm = contact.point - k.pose.position;
     const SurfaceMotion slide{translationAt(way6, arm) - modes.period * contact.obstacleVelocity,
-                              translationAt(ahead6, arm) - modes.seconds * contact.obstacleVelocity,
-                              translationAt(velocity6, arm) - contact.obstacleVelocity};
+                              translationAt(ahead6, arm) - modes.seconds * base, translationAt(velocity6, arm) - after};
     const Vec3 held = memory.force(contact, slide, gains, normal);
     for (int j = 0; j < modes.count; ++j)
       torque[j] += row.axes.col(0).dot(held) * row.tangent[0][j] + row.axes.col(1).dot(held) * row.tangent[1][j];

@@ -50,7 +50,11 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
     for (int j = 0; j < modes.count; ++j)
       if (!(frame.maxTorque[j] > 0.0)) w.row[j] = 0.0;
     w.gap = contact.gap;
-    w.speed = contact.normal.dot(contact.obstacleVelocity);
+    w.speed = w.rest = w.after = contact.normal.dot(contact.obstacleVelocity);
+    if (frame.yield.isAny) {
+      w.rest -= contact.normal.dot(frame.yield.velocity[c]);
+      w.after = w.rest + contact.normal.dot(frame.yield.after[c]);
+    }
     w.softness = 1.0 / contact.material.stiffness;
     w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
     w.contact = c;
@@ -68,6 +72,7 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
   for (int i = 0; i < static_cast<int>(memory.count) && count < kMostWalls; ++i) {
     Wall w = memory.wall[i];
     if (w.contact >= 0.0) continue;
+    w.speed = w.after = std::min(w.speed, w.rest);  // a movable obstacle is unknown from now on: it only recedes
     const Lane row = modes.toModes(w.row);
     const double soft = complianceOf(modes, row) + w.softness;
     double rate = 0.0, wouldBe = w.gap;
@@ -85,15 +90,15 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
   return count;
 }
 
-int placeTargets(const PredictedModes& modes, const Rebound& rebound, double near, Wall* walls, int count,
-                 Target* targets) noexcept {
+int placeTargets(const TickFrame& frame, const PredictedModes& modes, const Rebound& rebound, double near, Wall* walls,
+                 int count, Target* targets) noexcept {
   int placed = 0;
   for (int i = 0; i < count; ++i) {
     Wall& w = walls[i];
     Target& t = targets[placed];
     t.row = modes.toModes(w.row);
-    double next = w.gap - w.speed * (modes.seconds + modes.period), gap = w.gap - w.speed * modes.seconds, square = 0.0,
-           inverse = 0.0, lead = 0.0;
+    double next = w.gap - w.rest * modes.seconds - w.after * modes.period, gap = w.gap - w.rest * modes.seconds,
+           square = 0.0, inverse = 0.0, lead = 0.0;
     for (int k = 0; k < modes.count; ++k) {
       gap += t.row[k] * (modes.law.wouldBe[k] - modes.now[k]);
       next += t.row[k] * (modes.next[k] - modes.now[k]);
@@ -102,15 +107,21 @@ int placeTargets(const PredictedModes& modes, const Rebound& rebound, double nea
       square += share;
       lead += share * modes.law.lead[k];
     }
+    gap -= (w.after - w.rest) * lead / square;
     const double reading = rebound.readingStep(w.row);
     if (gap > 0.0 || !(square > 0.0) || next > near + rebound.distance(modes.handStep, 1.0 / inverse, reading))
       w.holds = 0.0;
     else if (next <= near)
       w.holds = 1.0;
     if (w.holds == 0.0) continue;
-    t.gap = gap - w.speed * lead / square;
+    t.gap = gap - w.rest * lead / square;
     t.size = std::sqrt(square);
     t.compliance = w.softness / square;
+    t.reach = 0.0;
+    if (const int c = static_cast<int>(w.contact); frame.yield.isAny && c >= 0) {
+      t.reach = std::sqrt(modes.period * lead) / square;
+      t.compliance += t.reach * t.reach * frame.yield.inverse[c][c];
+    }
     t.doubt = 0.5 * reading + modes.tremor * square;
     t.wall = i;
     ++placed;
@@ -118,7 +129,8 @@ int placeTargets(const PredictedModes& modes, const Rebound& rebound, double nea
   return placed;
 }
 
-void contactForces(const PredictedModes& modes, const Target* targets, int count, double* force) noexcept {
+void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, const Target* targets,
+                   int count, double* force) noexcept {
   if (count == 1) {
     force[0] = std::max(0.0, -targets[0].gap) / (targets[0].size * targets[0].size * (1.0 + targets[0].compliance));
     return;
@@ -129,7 +141,12 @@ void contactForces(const PredictedModes& modes, const Target* targets, int count
     for (int j = 0; j <= i; ++j) {
       double v = 0.0;
       for (int k = 0; k < modes.count; ++k) v += targets[i].row[k] * targets[j].row[k] / modes.law.stiffness[k];
-      G[i][j] = G[j][i] = v / (targets[i].size * targets[j].size) + give;
+      v = v / (targets[i].size * targets[j].size) + give;
+      const double reach = targets[i].reach * targets[j].reach;
+      if (i != j && reach > 0.0)
+        v += reach * frame.yield.inverse[static_cast<int>(walls[targets[i].wall].contact)]
+                                        [static_cast<int>(walls[targets[j].wall].contact)];
+      G[i][j] = G[j][i] = v;
     }
     G[i][i] += targets[i].compliance;
     h[i] = -targets[i].gap / targets[i].size * (1.0 + give) / (1.0 - give);

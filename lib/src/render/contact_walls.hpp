@@ -17,6 +17,8 @@ struct Wall {
   JointRow row{};
   double gap = 0.0;        ///< at present, m
   double speed = 0.0;      ///< of the obstacle along the normal, m/s
+  double rest = 0.0;       ///< the same without its motion in its suspension, which is that of the time of the command
+  double after = 0.0;      ///< the same after a tick without a contact force
   double softness = 0.0;   ///< 1 / stiffness of the material, m/N
   double name = 0.0;       ///< identifies the wall from tick to tick
   double retreated = 0.0;  ///< m: of a wall that has vanished
@@ -33,8 +35,10 @@ struct WallMemory {
 /// A wall in mode coordinates, at the place to which the hand would move the tool.
 struct Target {
   Lane row;
-  double gap, size, compliance;  ///< m; norm of the row in the metric 1 / stiffness; 1 / (material's stiffness size^2)
-  double doubt;  ///< uncertainty of the gap: half a step of the reading, and the deflection by a tremor, m
+  double gap, size;   ///< m; norm of the row in the metric 1 / stiffness
+  double compliance;  ///< of the material and of a movable obstacle, relative to size^2
+  double reach;       ///< s: a speed of the obstacle times this is a distance, relative to size
+  double doubt;       ///< uncertainty of the gap: half a step of the reading, and the deflection by a tremor, m
   int wall;
 };
 
@@ -58,12 +62,14 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
 
 /// Return the walls that may carry a force: the tool has reached them or will within a tick. near: a contact that stays
 /// farther outside carries none, m. Realtime: yes.
-int placeTargets(const PredictedModes& modes, const Rebound& rebound, double near, Wall* walls, int count,
-                 Target* targets) noexcept;
+int placeTargets(const TickFrame& frame, const PredictedModes& modes, const Rebound& rebound, double near, Wall* walls,
+                 int count, Target* targets) noexcept;
 
 /// Compute forces, N, that move the modes from where the hand would take them to the nearest point of the free space.
-/// If walls contradict each other, all of them give way. Realtime: yes.
-void contactForces(const PredictedModes& modes, const Target* targets, int count, double* force) noexcept;
+/// If walls contradict each other, all of them give way. Movable obstacles give way as their inertia allows. Realtime:
+/// yes.
+void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, const Target* targets,
+                   int count, double* force) noexcept;
 
 /// Return the friction torque at the contacts. Its limit uses the force that balances the hand's push; the commanded
 /// one chatters. lastEstimate: joints at the last tick. Realtime: yes.

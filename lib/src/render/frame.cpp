@@ -34,6 +34,13 @@ const char* toString(RenderMode mode) noexcept {
   return "unknown mode";
 }
 
+Vec3 ContactYield::afterUnder(const std::array<double, kMaxContacts>& forces, int contact, int contacts,
+                              double period) const noexcept {
+  Vec3 then = after[static_cast<std::size_t>(contact)];
+  for (int j = 0; j < contacts; ++j) then -= period * forces[static_cast<std::size_t>(j)] * response[contact][j];
+  return then;
+}
+
 Status fillContactRows(TickFrame& frame) noexcept {
   const Kinematics& k = frame.kinematics;
   const Eigen::Index n = k.q.size();

@@ -45,26 +45,56 @@ Status ImpedanceRenderer::render(const TickFrame& frame, TickOutput& output) noe
     state_.started = 1.0;
   }
 
+  const ContactYield& yield = frame.yield;
+  // Spring and damper are implicit in the motion of a movable obstacle, whose inverse mass is given.
+  const auto share = [&](double stiffness, double inverse) {
+    return 1.0 / (1.0 + (stiffness * period_ + options_.damping) * period_ * inverse);
+  };
+  // Return the normal force; below 0: no contact.
+  const auto pressAt = [&](int i, Vec3 velocity) {
+    const Contact& contact = frame.contacts.contacts[i];
+    double gap = predictedGap(frame, contact, period_), answers = 1.0;
+    const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // stiffness 0: no force
+    if (yield.isAny) {
+      velocity += yield.velocity[i] - yield.after[i];
+      gap -= period_ * contact.normal.dot(yield.after[i]);
+      answers = share(1.0 / compliance, yield.inverse[i][i]);
+    }
+    if (!(gap < 0.0)) return -1.0;
+    return answers * std::max(0.0, -gap / compliance - options_.damping * contact.normal.dot(velocity));
+  };
+  std::array<double, kMaxContacts> pressed;
+  for (int i = 0; yield.isAny && i < frame.contacts.count; ++i) {
+    pressed[i] = pressAt(i, contactVelocity(k, frame.contacts.contacts[i]));
+    output.normalForces[i] = std::max(0.0, pressed[i]);
+  }
+
   Vec6 wrench = Vec6::Zero();
   state_.friction.begin();
   output.mode = RenderMode::free;
   for (int i = 0; i < frame.contacts.count; ++i) {
     const Contact& contact = frame.contacts.contacts[i];
-    const Vec3 arm = contact.point - k.pose.position, velocity = contactVelocity(k, contact);
-    const double gap = predictedGap(frame, contact, period_);
-    const SurfaceMotion slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity,
-                              frame.age * period_ * velocity, velocity};
-    const TangentialGains gains{options_.stiffness, options_.damping};
-    if (!(gap < 0.0)) {
+    const Vec3 arm = contact.point - k.pose.position;
+    Vec3 velocity = contactVelocity(k, contact), moves = frame.age * period_ * velocity;  // until the tick
+    const double force = yield.isAny ? pressed[i] : pressAt(i, velocity);
+    TangentialGains gains{options_.stiffness, options_.damping};
+    if (yield.isAny) {
+      const Vec3 after = yield.afterUnder(output.normalForces, i, frame.contacts.count, period_);
+      const double answers = share(options_.stiffness, yield.across[i]);
+      gains = {answers * options_.stiffness, answers * options_.damping};
+      velocity += yield.velocity[i] - after;
+      moves -= period_ * after;
+    }
+    const SurfaceMotion slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, moves, velocity};
+    if (force < 0.0) {
       (void)state_.friction.force(contact, slide, gains, 0.0);  // keeps its friction state: it may touch again at once
       continue;
     }
-    const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // stiffness 0: no force
-    const double force = std::max(0.0, -gap / compliance - options_.damping * contact.normal.dot(velocity));
     const Vec3 both = force * contact.normal + state_.friction.force(contact, slide, gains, force);
     wrench.head<3>() += both;
     wrench.tail<3>() += arm.cross(both);
     if (output.mode == RenderMode::free) output.normalForce = force;  // of the deepest contact
+    output.normalForces[i] = force;
     output.mode = RenderMode::contact;
   }
   state_.friction.end();

@@ -441,7 +441,7 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
   for (int i = 0; i < count; ++i) {
     total += force[i];
     for (int j = 0; j < joints_; ++j) normal[j] += force[i] * walls[targets[i].wall].row[j];
-    speed -= force[i] * walls[targets[i].wall].speed;
+    speed -= force[i] * walls[targets[i].wall].after;
     depth -= force[i] * walls[targets[i].wall].gap;
     for (int k = 0; k < kLanes; ++k) row[k] += force[i] * targets[i].row[k];
   }
@@ -504,10 +504,10 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   double force[kMaxWalls] = {};
   const double near = kNear * options_.scale;
   const int count = collectWalls(frame, a.modes, m.lastReading, m.walls, walls),
-            placed = placeTargets(a.modes, rebound(), near, walls, count, targets);
+            placed = placeTargets(frame, a.modes, rebound(), near, walls, count, targets);
   m.walls.count = count;
   std::copy_n(walls, count, m.walls.wall.begin());
-  if (placed > 0) contactForces(a.modes, targets, placed, force);
+  if (placed > 0) contactForces(frame, a.modes, walls, targets, placed, force);
   JointRow torque{};
   m.merged = 0.0;
   for (int i = 0; i < placed; ++i) m.merged += force[i] > 0.0 ? 0.0 : 1.0;
@@ -521,6 +521,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
     const Wall& w = walls[targets[i].wall];
     if (force[i] > 0.0) output.mode = RenderMode::contact;
     if (w.contact == 0.0) output.normalForce = force[i];
+    if (w.contact >= 0.0) output.normalForces[static_cast<std::size_t>(w.contact)] = force[i];
     for (int j = 0; j < n; ++j) torque[j] += force[i] * w.row[j];
   }
   const JointRow held = frictionTorque(frame, a.modes, targets, walls, placed, force, m.lastEstimate, m.friction);

@@ -7,7 +7,8 @@
 namespace enamel {
 namespace {
 
-constexpr double kLeastStep = 1e-3;  // periods, of a tick whose sample is older than the prediction before it
+constexpr double kLongestStep = 0.1;  // s, of movable obstacles between two samples
+constexpr double kLeastStep = 1e-3;   // periods, of a tick whose sample is older than the prediction before it
 
 // The start of forward kinematics. The inertia is computed again.
 template <typename AnyKinematics, typename Visit>
@@ -68,12 +69,15 @@ Measurement HapticTick::adjusted(const Measurement& measurement) const noexcept 
 Status HapticTick::tick(const Measurement& measurement) noexcept {
   const int lost = frame_.age;  // periods without a sample before this tick
   const bool isSample = measurement.age == 0;
+  const double elapsed = sampleTime_ == kNever ? 0.0 : std::min(measurement.time - sampleTime_, kLongestStep);
   Status status = sense(measurement);
-  if (status == Status::ok && isSample) status = findContacts(measurement.time);
+  if (status == Status::ok && isSample) status = findContacts(measurement.time, elapsed);
   if (status == Status::ok && isSample && renderer_->needsInertia()) status = fillContactRows(frame_);
   status = render(status);
   guard_.step(measurement, status, frame_);
   const bool isStopped = guard_.fault() != GuardReason::none;
+  scene_.motion().scaleForces(status == Status::ok ? frame_.age / (frame_.age + 1.0) : 0.0);
+  if (status == Status::ok && frame_.yield.isAny) react();
   if (status == Status::ok && isSample) cut((1 + lost) * guard_.options().period, isStopped);
   if (guard_.options().on && !isStopped && !guard_.engaged()) renderer_->reset();
   return status == Status::ok && isStopped ? Status::stopped : status;
@@ -94,8 +98,8 @@ Status HapticTick::sense(const Measurement& m) noexcept {
   return Status::ok;
 }
 
-Status HapticTick::findContacts(double time) noexcept {
-  const Status status = scene_.findContacts(frame_.kinematics.pose, time, frame_.contacts);
+Status HapticTick::findContacts(double time, double elapsed) noexcept {
+  const Status status = scene_.findContacts(frame_.kinematics.pose, time, elapsed, frame_.contacts);
   if (status != Status::ok) return status;
   if (const double scale = mechanism_.scale(); scale != 1.0)  // materials are stated for forces at the hand
     for (int i = 0; i < frame_.contacts.count; ++i) {
@@ -103,6 +107,7 @@ Status HapticTick::findContacts(double time) noexcept {
       frame_.contacts.contacts[i].material.viscosity /= scale;
     }
   if (drill_ != nullptr) drill_->correct(frame_.contacts);
+  scene_.motion().yieldAt(frame_.contacts, guard_.options().period, mechanism_.scale(), frame_.yield);
   sampleTime_ = time;
   return Status::ok;
 }
@@ -117,6 +122,31 @@ Status HapticTick::render(Status status) noexcept {
   if (status == Status::ok && !effect_.isZero(0.0))
     frame_.output.torque += torqueOf(frame_.kinematics.jacobian, effect_);
   return status;
+}
+
+// The force that acts on the tool, without the effect, acts on the obstacles. The renderer's forces say how it divides
+// between the contacts. Ticks without a sample count until the next sample, by their mean.
+void HapticTick::react() noexcept {
+  const Kinematics& k = frame_.kinematics;
+  const TickOutput& output = frame_.output;
+  const JointVector rendered = output.torque - k.gravity, commanded = frame_.command - k.gravity;
+  const double square = rendered.squaredNorm(), acts = square > 0.0 ? commanded.dot(rendered) / square : 0.0;
+  Vec3 rest = wrenchOf(k, commanded).head<3>() - acts * effect_.head<3>();  // not yet given to a contact
+  double sum = 0.0;
+  for (int i = 0; i < frame_.contacts.count; ++i) {
+    sum += output.normalForces[static_cast<std::size_t>(i)];
+    rest -=
+        output.normalForces[static_cast<std::size_t>(i)] * frame_.contacts.contacts[static_cast<std::size_t>(i)].normal;
+  }
+  SceneMotion& motion = scene_.motion();
+  const double share = 1.0 / (frame_.age + 1);
+  if (output.mode != RenderMode::contact) return;
+  for (int i = 0; i < frame_.contacts.count; ++i) {
+    const Contact& contact = frame_.contacts.contacts[static_cast<std::size_t>(i)];
+    const double force = output.normalForces[static_cast<std::size_t>(i)];
+    const double part = sum > 0.0 ? force / sum : i == 0 ? 1.0 : 0.0;
+    motion.push(contact.obstacle, contact.point, -share * mechanism_.scale() * (force * contact.normal + part * rest));
+  }
 }
 
 // A stopped loop does not hold the tool. Material that the tool then passes through remains.

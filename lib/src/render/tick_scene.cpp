@@ -20,8 +20,8 @@ bool isSame(const Tool& a, const Tool& b) noexcept {
 TickScene::TickScene(const Scene& scene, const Tool& tool)
     : stated_(&scene), tool_(tool), motion_(scene), track_(makeToolTrack(scene, tool)) {}
 
-Status TickScene::findContacts(const Pose& pose, double time, ContactSnapshot& contacts) noexcept {
-  return followContacts(motion_.follow(*stated_, time), tool_, pose, kContactMargin, track_, contacts);
+Status TickScene::findContacts(const Pose& pose, double time, double elapsed, ContactSnapshot& contacts) noexcept {
+  return followContacts(motion_.follow(*stated_, time, elapsed), tool_, pose, kContactMargin, track_, contacts);
 }
 
 void TickScene::takeOver(TickScene& old) noexcept {
@@ -29,9 +29,15 @@ void TickScene::takeOver(TickScene& old) noexcept {
   if (isSame(tool_, old.tool_)) track_.takeOver(old.track_, old.motion_.scene(), motion_.scene());
 }
 
+void TickScene::saveState(double* state) const noexcept {
+  motion_.saveState(state);
+  track_.saveState(motion_.scene(), state + motion_.stateSize());
+}
+
 void TickScene::loadState(const double* state) noexcept {
   reset();
-  track_.loadState(motion_.scene(), state);
+  motion_.loadState(state);
+  track_.loadState(motion_.scene(), state + motion_.stateSize());
 }
 
 }  // namespace enamel

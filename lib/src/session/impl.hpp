@@ -19,8 +19,8 @@
 namespace enamel {
 namespace session {
 
-/// Cuts of one session on their way to another one that shares the obstacles.
-struct SharedCuts {
+/// Effects of a loop on shared obstacles, on their way to the loop of another session.
+struct Mailbox {
   struct Cut {
     std::uint32_t revision = 0;  // of the obstacle
     SolidCut cut;
@@ -28,6 +28,12 @@ struct SharedCuts {
   SpscRing<Cut, 4096> ring;
   Cut next;  // of the receiving loop; waits while this loop does not have the revision yet
   bool isWaiting = false;
+  struct Push {
+    std::uint32_t generation = 0;  // of the obstacle
+    int slot = 0;
+    Vec6 impulse = Vec6::Zero();  // of a tick, on a movable obstacle
+  };
+  SpscRing<Push, 256> pushes;
 };
 
 /// Obstacles that one or more sessions share. Callers hold the mutex; no loop does.
@@ -98,6 +104,8 @@ struct Session::Impl final : TickSink {
   void endRecording() noexcept;
   void stray() noexcept;
   void applySharedCuts() noexcept;
+  void applySharedPushes() noexcept;
+  void sharePushes() noexcept;
   void moveBase(const TickFrame& frame) noexcept;
   void countTime(const LoopTick& tick) noexcept;
   void watchContacts(const LoopTick& tick, const TickFrame& frame) noexcept;
@@ -148,7 +156,7 @@ struct Session::Impl final : TickSink {
   std::uint64_t missed = 0, held = 0, refused = 0, dropped = 0, lostCuts = 0;
   RemovedVolume removed{}, unreported{};
   ObstacleId cutObstacle;
-  std::vector<std::shared_ptr<session::SharedCuts>> outboxes, inboxes;  // fixed while a loop runs
+  std::vector<std::shared_ptr<session::Mailbox>> outboxes, inboxes;  // fixed while a loop runs
 
   // Between the loop and the callers.
   SpscRing<SessionEvent, 1024> events;

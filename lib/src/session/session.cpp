@@ -17,9 +17,9 @@
 namespace enamel {
 
 using session::Group;
+using session::Mailbox;
 using session::Obstacles;
 using session::SessionTool;
-using session::SharedCuts;
 using session::World;
 using Lock = std::unique_lock<std::mutex>;
 
@@ -102,7 +102,7 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
   ownTick.command.effort = ownTick.requested;
   const Lock lock(group->mutex);
   for (Impl* member : group->members) {
-    const auto there = std::make_shared<SharedCuts>(), here = std::make_shared<SharedCuts>();
+    const auto there = std::make_shared<Mailbox>(), here = std::make_shared<Mailbox>();
     member->outboxes.push_back(here);
     inboxes.push_back(here);
     outboxes.push_back(there);
@@ -199,6 +199,8 @@ void Session::Impl::requireRoom() {
 void Session::Impl::enterLoop(Loop kind) {
   hasRun = true;
   lastTime = -1.0;
+  for (const auto& inbox : inboxes)
+    for (Mailbox::Push old; inbox->pushes.pop(old);) continue;
   began.store(system::clockNow(), std::memory_order_relaxed);
   atStart();
   runs.store(kind, std::memory_order_release);

@@ -7,7 +7,7 @@
 
 namespace enamel {
 
-using session::SharedCuts;
+using session::Mailbox;
 using session::Touch;
 
 namespace {
@@ -59,7 +59,7 @@ void Session::Impl::stray() noexcept {
 void Session::Impl::applySharedCuts() noexcept {
   for (const auto& inbox : inboxes)
     for (int i = 0; i < kSharedCutsPerTick; ++i) {
-      SharedCuts::Cut& next = inbox->next;
+      Mailbox::Cut& next = inbox->next;
       if (!inbox->isWaiting && !inbox->ring.pop(next)) break;
       const auto slot = static_cast<std::size_t>(next.cut.obstacle);
       inbox->isWaiting = slot >= world->revision.size() || next.revision > world->revision[slot];
@@ -70,10 +70,29 @@ void Session::Impl::applySharedCuts() noexcept {
     }
 }
 
+// Movable obstacles get the momentum that the tools of other sessions gave them.
+void Session::Impl::applySharedPushes() noexcept {
+  for (const auto& inbox : inboxes)
+    for (Mailbox::Push push; inbox->pushes.pop(push);)
+      if (exists({push.slot, push.generation})) haptics->push(push.slot, push.impulse);
+}
+
+void Session::Impl::sharePushes() noexcept {
+  if (outboxes.empty() || haptics->frame().age > 0) return;
+  for (std::size_t i = 0; i < world->generation.size(); ++i) {
+    const int slot = static_cast<int>(i);
+    const SuspendedState* const state = haptics->scene().motion().suspended(slot);
+    if (state == nullptr || state->wrench.isZero(0.0)) continue;
+    for (const auto& outbox : outboxes)
+      if (outbox) (void)outbox->pushes.push({world->generation[i], slot, period * state->wrench});
+  }
+}
+
 void Session::Impl::before(Measurement& measurement) noexcept {
   began.store(system::clockNow(), std::memory_order_relaxed);
   queue.run();
   applySharedCuts();
+  applySharedPushes();
   const int button = def.clutchButton;
   clutched = clutch || (button >= 0 && (measurement.buttons >> button & 1U) != 0);
   if (!enabled || clutched) measurement.enabled = false;
@@ -92,6 +111,7 @@ void Session::Impl::tick(const LoopTick& tick, const HapticTick& ticked) noexcep
   watchDevice(tick);
   watchContacts(tick, frame);
   watchCuts(tick);
+  sharePushes();
   publish(tick, frame);
   if (mapped) moveBase(frame);
 }

@@ -107,6 +107,14 @@ class Scene:
         stiffness: float = ...,
         friction: float = ...,
     ) -> int: ...
+    def suspend(
+        self,
+        obstacle: int,
+        inertia: npt.ArrayLike,
+        stiffness: npt.ArrayLike = ...,
+        damping: npt.ArrayLike = ...,
+        centre: npt.ArrayLike = ...,
+    ) -> None: ...
     def add_mesh(
         self,
         name: str,

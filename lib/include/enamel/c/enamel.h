@@ -79,6 +79,14 @@ typedef struct EnamelMaterial {
   double viscosity;        /* N s/m */
 } EnamelMaterial;
 
+/* How an obstacle moves under contact forces, along and about the axes of its frame. 0 inertia: it does not. */
+typedef struct EnamelSuspension {
+  double centre[3];    /* of mass and springs, in the obstacle's frame, m */
+  double inertia[6];   /* kg and kg m^2 */
+  double stiffness[6]; /* N/m and N m/rad; 0: a loose obstacle */
+  double damping[6];   /* N s/m and N m s/rad */
+} EnamelSuspension;
+
 typedef struct EnamelToolPart {
   double a[3], b[3]; /* ends of the axis in the platform's frame, m; equal: a sphere */
   double radius;     /* m */
@@ -312,6 +320,8 @@ ENAMEL_API int32_t enamel_find(EnamelSession* session, const char* name, EnamelO
 ENAMEL_API int32_t enamel_move(EnamelSession* session, EnamelObstacle obstacle, const EnamelPose* pose,
                                const double* twist); /* twist: NULL is at rest */
 ENAMEL_API int32_t enamel_set_material(EnamelSession* session, EnamelObstacle obstacle, const EnamelMaterial* material);
+ENAMEL_API int32_t enamel_set_suspension(EnamelSession* session, EnamelObstacle obstacle,
+                                         const EnamelSuspension* suspension); /* NULL: a fixed obstacle */
 ENAMEL_API int32_t enamel_activate(EnamelSession* session, EnamelObstacle obstacle, int32_t active);
 ENAMEL_API int32_t enamel_move_vertices(EnamelSession* session, EnamelObstacle obstacle, const int32_t* vertices,
                                         const double* positions, size_t count);

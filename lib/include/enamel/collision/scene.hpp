@@ -17,6 +17,15 @@ namespace enamel {
 using Shape =
     std::variant<HalfSpace, Box, Sphere, Capsule, std::shared_ptr<const MeshModel>, std::shared_ptr<const Solid>>;
 
+/// How an obstacle moves under contact forces: a rigid body on six springs and dampers. Linear coordinates come first,
+/// then turns, along and about the axes of the obstacle's frame at rest. These axes do not turn with the obstacle.
+struct Suspension {
+  Vec3 centre = Vec3::Zero();     ///< of the mass and of the springs, in the obstacle's frame, m
+  Vec6 inertia = Vec6::Zero();    ///< kg and kg m^2; 0: the obstacle does not move along or about this axis
+  Vec6 stiffness = Vec6::Zero();  ///< N/m and N m/rad; 0: a loose obstacle
+  Vec6 damping = Vec6::Zero();    ///< N s/m and N m s/rad
+};
+
 /// An object that the tool may touch. Its pose and twist may change at every tick.
 struct Obstacle {
   std::string name;
@@ -26,6 +35,7 @@ struct Obstacle {
   Material material;          ///< passed on to the contacts; a solid has a material for each layer
   double thickness = 0.0;     ///< above 0: the mesh is the middle of a sheet of this thickness, without an inside, m
   bool active = true;         ///< false: reserved for later; no query finds it
+  std::shared_ptr<const Suspension> suspension = nullptr;  ///< null: contact forces do not move the obstacle
 };
 
 /// Limits of an obstacle: distance from the origin of W along each axis (m), speed (m/s), turn rate (rad/s).
@@ -43,7 +53,8 @@ class Scene {
   /// - a shape with a size that is not positive and finite, or with an empty pointer;
   /// - a material with a stiffness not above 0 N/m, friction outside 0 to 10, sliding friction outside 0 to the
   ///   friction, or a viscosity outside 0 to kLargestViscosity;
-  /// - a thickness that is negative or not finite, or above 0 for a shape other than a mesh.
+  /// - a thickness that is negative or not finite, or above 0 for a shape other than a mesh;
+  /// - a suspension with a number that is not finite or negative (except `centre`), or without inertia.
   int add(Obstacle obstacle);
 
   /// Replace an obstacle; its number remains. Throws Error as add(), and if no obstacle has this number. Realtime: no.

@@ -33,10 +33,14 @@ struct SceneFile {
 /// - `name`, `start` [m], optional `max_force` [N];
 /// - optional list `tool` of capsules in the platform's frame: `from`, optional `to` (default: a sphere), `radius`;
 /// - optional table `bur`: the tool's `part` (default 0), `wear` and `turns` a second (defaults: those of Bur);
-/// - list `obstacle` of tables, each with `name`, `shape`, the keys of its shape, and optionally its material.
+/// - list `obstacle` of tables, each with `name`, `shape`, the keys of its shape, and optionally its material and a
+///   table `suspension`.
 ///
 /// Keys of a material: `stiffness` [N/m] (default: rigid), `friction` (default 0), `sliding_friction` (default:
 /// `friction`), `viscosity` [N s/m] (default 0).
+///
+/// Keys of a suspension: `inertia` (six numbers), `stiffness` and `damping` (default 0), `centre` (default: the origin
+/// of the obstacle's frame). See Suspension.
 ///
 /// Keys of the shapes:
 /// - "half_space": `point`, `normal` (outward, of any length).

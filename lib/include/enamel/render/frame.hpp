@@ -36,6 +36,21 @@ struct ContactRows {
   std::array<ContactRow, kMaxContacts> row;
 };
 
+/// Movable obstacles (Suspension) at the contacts of a tick of T s. Forces f on the tool along the normals change the
+/// speeds of the obstacles along them by -T A f. Contacts with other obstacles have zeros.
+struct ContactYield {
+  bool isAny = false;                          ///< false: the other members are not set
+  double inverse[kMaxContacts][kMaxContacts];  ///< A: inverse mass of the obstacles over a tick, 1/kg
+  std::array<double, kMaxContacts> across;     ///< the largest one along the surface, at most, 1/kg
+  /// Velocity of the motion in the suspension at the contact, W, m/s: now, and after a tick without a contact force.
+  std::array<Vec3, kMaxContacts> velocity, after;
+  Vec3 response[kMaxContacts][kMaxContacts];  ///< acceleration at contact i by a unit force at contact j, W, 1/kg
+
+  /// Return the velocity at a contact after a tick of `period` s under normal forces, N. Realtime: yes.
+  Vec3 afterUnder(const std::array<double, kMaxContacts>& forces, int contact, int contacts,
+                  double period) const noexcept;
+};
+
 /// State of a renderer.
 enum class RenderMode : std::uint8_t {
   free = 0,  ///< no contact; the torque balances gravity
@@ -52,6 +67,8 @@ struct TickOutput {
   RenderMode mode = RenderMode::fault;
   bool saturated = false;    ///< a motor's limit reduced the torque
   double normalForce = 0.0;  ///< force of the wall on the tool along the deepest contact's normal, N
+  /// The same for each contact: how the force divides between movable obstacles. All 0: it acts at the deepest contact.
+  std::array<double, kMaxContacts> normalForces{};
 };
 
 /// Data of one tick, in SI units. Poses, twists and contacts are in W. Joint vectors have n entries.
@@ -72,6 +89,7 @@ struct TickFrame {
   // Find contacts, contact rows and responses.
   ContactSnapshot contacts;  ///< at the pose, deepest first
   ContactRows rows;
+  ContactYield yield;
 
   // Render.
   TickOutput output;

@@ -1,10 +1,12 @@
-// Interpolation of obstacle poses that a host sets at frame rate.
+// Motion of obstacles: poses that a host sets at frame rate, and contact forces on movable obstacles.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "enamel/collision/scene.hpp"
+#include "enamel/render/frame.hpp"
+#include "enamel/render/suspended.hpp"
 
 namespace enamel {
 
@@ -16,13 +18,36 @@ namespace enamel {
 ///   the last pose, at most 0.12 s. The obstacle therefore arrives a fifth of a frame late, but does not stop when a
 ///   frame is late.
 /// - No new poses: the obstacle is at rest, whatever its stated twist.
+///
+/// For an obstacle with a Suspension, this motion is that of its place at rest.
 class SceneMotion {
  public:
   /// Copy the scene. Its obstacles and shapes must not change later. Realtime: no.
   explicit SceneMotion(const Scene& scene);
 
-  /// Return the scene at `time`, s, which must not decrease; `stated` is the original. Realtime: yes.
-  const Scene& follow(const Scene& stated, double time) noexcept;
+  /// Return the scene at `time`, s, which must not decrease; `stated` is the original. Movable obstacles advance by
+  /// `elapsed` s under the forces of push(). Realtime: yes.
+  const Scene& follow(const Scene& stated, double time, double elapsed = 0.0) noexcept;
+
+  /// Fill in how the movable obstacles at the contacts answer a force in a tick of `period` s. `scale`: of the device's
+  /// workspace, as masses are stated for forces at the hand. Realtime: yes.
+  void yieldAt(const ContactSnapshot& contacts, double period, double scale, ContactYield& yield) const noexcept;
+
+  /// Add a force (W, N, at the hand) on a movable obstacle at a point (W, m). Others ignore it. Realtime: yes.
+  void push(int obstacle, const Vec3& point, const Vec3& force) noexcept;
+  /// Add an impulse of another device's tool, as in SuspendedState. Realtime: yes.
+  void push(int obstacle, const Vec6& impulse) noexcept;
+
+  /// Multiply all forces of push() by a factor. Realtime: yes.
+  void scaleForces(double factor) noexcept;
+
+  /// Return the state of a movable obstacle; null for others. Realtime: yes.
+  const SuspendedState* suspended(int obstacle) const noexcept;
+
+  /// Save and load the states of the movable obstacles as stateSize() numbers. Realtime: yes.
+  std::size_t stateSize() const noexcept;
+  void saveState(double* state) const noexcept;
+  void loadState(const double* state) noexcept;
 
   /// Return the scene of the last call of follow(). Realtime: yes.
   const Scene& scene() const noexcept { return scene_; }
@@ -45,10 +70,22 @@ class SceneMotion {
     double left = 0.0;          // time left until the goal, s
     Vec6 twist = Vec6::Zero();  // velocity until then
   };
+  struct Body {  // a movable obstacle
+    int obstacle;
+    Pose rest;  // of its frame, W
+    Vec6 restTwist = Vec6::Zero();
+    SuspendedState state;
+  };
   void followOne(const Obstacle& stated, int number, double before) noexcept;
+  void goToStated(const Scene& stated) noexcept;
+  bool place(const Body& body) noexcept;
+  const Suspension& of(const Body& body) const noexcept;
+  const Body* find(int obstacle) const noexcept;
+  Vec6 wrenchAt(const Body& body, const Vec3& point, const Vec3& force) const noexcept;
 
   Scene scene_;
   std::vector<Glide> glides_;
+  std::vector<Body> bodies_;
   double time_ = 0.0;  // of the last call, s
   bool started_ = false;
   std::uint64_t ignored_ = 0;

@@ -64,6 +64,9 @@ class HapticTick {
   /// sum. Not finite numbers count as zero. Realtime: yes.
   void setEffect(const Vec6& wrench) noexcept { effect_ = wrench.allFinite() ? wrench : Vec6(Vec6::Zero()); }
 
+  /// Give a movable obstacle an impulse of another device's tool, as SceneMotion::push(). Realtime: yes.
+  void push(int obstacle, const Vec6& impulse) noexcept { scene_.motion().push(obstacle, impulse); }
+
   /// Set the force of the gripper's motor, N, opening it. The guard scales it as the rendered torque: zero after
   /// a fault. Not finite numbers count as zero. Realtime: yes.
   void setGripper(double force) noexcept { gripper_ = std::isfinite(force) ? force : 0.0; }
@@ -93,8 +96,9 @@ class HapticTick {
   Measurement adjusted(const Measurement& measurement) const noexcept;
   Status tick(const Measurement& measurement) noexcept;
   Status sense(const Measurement& measurement) noexcept;
-  Status findContacts(double time) noexcept;
+  Status findContacts(double time, double elapsed) noexcept;
   Status render(Status status) noexcept;
+  void react() noexcept;
   void cut(double elapsed, bool isStopped) noexcept;
   void placeAt(const Pose& start) noexcept;
   std::size_t numbers() const noexcept;

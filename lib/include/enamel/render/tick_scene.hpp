@@ -21,10 +21,11 @@ class TickScene {
   const Scene& scene() const noexcept { return motion_.scene(); }
   const Tool& tool() const noexcept { return tool_; }
   const SceneMotion& motion() const noexcept { return motion_; }
+  SceneMotion& motion() noexcept { return motion_; }
 
-  /// Move the obstacles to `time`, s, and find the contacts of the tool at a pose. Statuses as followContacts().
-  /// Realtime: yes.
-  [[nodiscard]] Status findContacts(const Pose& pose, double time, ContactSnapshot& contacts) noexcept;
+  /// Move the obstacles to `time`, s, `elapsed` s after the last call, and find the contacts of the tool at a pose.
+  /// Statuses as followContacts(). Realtime: yes.
+  [[nodiscard]] Status findContacts(const Pose& pose, double time, double elapsed, ContactSnapshot& contacts) noexcept;
 
   /// Continue the motions of `old` among the obstacles that both have (isSameObstacle()), and the path of the tool if
   /// it is the same. A new obstacle is at rest at its stated pose. `old` may afterwards only be destroyed. Realtime:
@@ -35,9 +36,10 @@ class TickScene {
   void reset() noexcept { motion_.reset(*stated_); }
   void forgetPath() noexcept { track_.reset(motion_.scene()); }
 
-  /// Save and load the path of the tool as stateSize() numbers. loadState() also resets the obstacles. Realtime: yes.
-  std::size_t stateSize() const noexcept { return track_.stateSize(); }
-  void saveState(double* state) const noexcept { track_.saveState(motion_.scene(), state); }
+  /// Save and load the path of the tool and the movable obstacles as stateSize() numbers. loadState() also resets the
+  /// other obstacles. Realtime: yes.
+  std::size_t stateSize() const noexcept { return motion_.stateSize() + track_.stateSize(); }
+  void saveState(double* state) const noexcept;
   void loadState(const double* state) noexcept;
 
  private:

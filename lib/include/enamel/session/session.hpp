@@ -66,7 +66,7 @@ class Session {
   /// Add an obstacle at rest. Throws Error as Scene::add().
   ObstacleId add(const SessionObstacle& obstacle);
 
-  /// Replace shape, material and thickness of an obstacle. Its name, its pose and `active` remain.
+  /// Replace shape, material, thickness and suspension of an obstacle. Its name, its pose and `active` remain.
   void replace(ObstacleId id, const SessionObstacle& by);
   void remove(ObstacleId id);
 
@@ -78,6 +78,10 @@ class Session {
 
   /// Set the material of an obstacle. A solid has materials of its layers instead.
   void setMaterial(ObstacleId id, const Material& material);
+
+  /// Set the suspension of an obstacle; empty: contact forces do not move it. Its forces are those at the hand. A
+  /// movable obstacle continues its motion. Throws Error as Scene::add().
+  void setSuspension(ObstacleId id, const std::optional<Suspension>& suspension);
 
   /// Activate or deactivate an obstacle. An inactive one keeps its memory and cannot be touched.
   void activate(ObstacleId id, bool active);
