@@ -279,6 +279,7 @@ void Experiment::tickHeld() noexcept {
   isReset_ = false;
   ++frame_.guardTicks[static_cast<std::size_t>(record.guard)];
   frame_.contacts = loop_.frame().contacts;
+  frame_.movable = movablePoses(loop_.hapticTick().scene().scene());
   frame_.control = servo_.state();
   frame_.holding = frame_.selected == RendererSlot::hold && hold_.holding();
   frame_.reference = hold_.reference();

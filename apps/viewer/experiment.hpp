@@ -20,6 +20,7 @@
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/push.hpp"
 #include "hand.hpp"
+#include "movable.hpp"
 #include "servoed_device.hpp"
 
 namespace enamel::viewer {
@@ -69,6 +70,7 @@ struct Frame {
   Readout readout;                                        ///< smoothed
   std::array<std::uint64_t, kGuardReasons> guardTicks{};  ///< ticks of this experiment, by GuardReason
   DrillState drilled;                                     ///< set if the scene has a bur
+  MovablePoses movable;                                   ///< poses of the obstacles with a suspension
   std::array<TestPush, kMaxRenderers> tests;              ///< last test push of each renderer
   Status plant = Status::ok;                              ///< if not ok, the loop stops until it is replaced
   // Set by the runner:

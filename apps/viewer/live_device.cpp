@@ -40,9 +40,10 @@ void LiveDevice::look(const TickFrame& tick) noexcept {
   ++r.tick;
   r.time = tick.time;
   r.torque = tick.command;
-  describe(tick, tick.kinematics, scene_.scene, scene_.tool, &cache_, r);
+  describe(tick, tick.kinematics, session_->haptics().scene().scene(), scene_.tool, &cache_, r);
   ++frame_.guardTicks[static_cast<std::size_t>(r.guard)];
   frame_.contacts = tick.contacts;
+  frame_.movable = movablePoses(session_->haptics().scene().scene());
   if (const Drill* const drill = session_->haptics().drill(); drill != nullptr) {
     frame_.drilled.spins = drill->spins();
     frame_.drilled.feed = drill->feed();

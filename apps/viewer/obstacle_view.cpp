@@ -1,5 +1,8 @@
 #include "obstacle_view.hpp"
 
+#include <vtkActorCollection.h>
+#include <vtkNew.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -144,6 +147,21 @@ void addShape(vtkRenderer* renderer, const Obstacle& obstacle) {
             toothColours((*mesh)->mesh(), obstacle.name == "arch" ? kGumLine : kNoGum));
 }
 
+void addDrawing(vtkRenderer* renderer, const Drawing& drawing, float scale) {
+  addFaces(renderer, drawing.faces, kEnamelFinish);
+  addFaces(renderer, drawing.backs, {kEnamelGrid, 1.0, 0.0});
+  addLines(renderer, drawing.grid, kEnamelGrid, scale);
+  addLines(renderer, drawing.edges, kEnamelEdge, 2.0f * scale);
+}
+
+// Return the actors of a renderer from number `first` on.
+std::vector<vtkActor*> actorsFrom(vtkRenderer* renderer, int first) {
+  std::vector<vtkActor*> actors;
+  for (int i = first; i < renderer->GetActors()->GetNumberOfItems(); ++i)
+    actors.push_back(vtkActor::SafeDownCast(renderer->GetActors()->GetItemAsObject(i)));
+  return actors;
+}
+
 // Return the distance to the nearest mesh or solid, m.
 double distanceToTeeth(const Vec3& point, const Scene& scene, const std::vector<SolidCopy>& solids) {
   double nearest = 1.0;
@@ -167,8 +185,31 @@ std::vector<CutPlane> opaquePlanes(const Scene& scene) {
   return planes;
 }
 
-void addObstacles(vtkRenderer* renderer, const SceneFile& file, const std::vector<SolidCopy>& solids,
-                  const std::optional<CutPlane>& plane, float scale) {
+MovableView::MovableView(const Pose& pose, const std::vector<vtkActor*>& drawn) : pose_(pose) {
+  for (vtkActor* const actor : drawn) {
+    bodies_.push_back({actor, vtkSmartPointer<vtkMatrix4x4>::New()});
+    if (actor->GetUserMatrix() != nullptr) bodies_.back().drawn->DeepCopy(actor->GetUserMatrix());
+  }
+}
+
+void MovableView::place(const Pose& pose) {
+  const Mat3 turn = pose.rotation * pose_.rotation.transpose();
+  const Vec3 way = kMillimetres * (pose.position - turn * pose_.position);
+  vtkNew<vtkMatrix4x4> moved;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) moved->SetElement(i, j, turn(i, j));
+    moved->SetElement(i, 3, way[i]);
+  }
+  for (const Body& body : bodies_) {
+    vtkNew<vtkMatrix4x4> matrix;
+    vtkMatrix4x4::Multiply4x4(moved, body.drawn, matrix);
+    body.actor->SetUserMatrix(matrix);
+  }
+}
+
+std::vector<MovableView> addObstacles(vtkRenderer* renderer, const SceneFile& file,
+                                      const std::vector<SolidCopy>& solids, const std::optional<CutPlane>& plane,
+                                      float scale) {
   const Scene& scene = file.scene;
   Drawing drawing, gum;
   const std::vector<Wall> walls = wallsOf(scene);
@@ -177,19 +218,24 @@ void addObstacles(vtkRenderer* renderer, const SceneFile& file, const std::vecto
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     drawWall(walls[i], others, walls[i].isGum ? gum : drawing);
   }
+  std::vector<MovableView> movable;
   for (const Obstacle& obstacle : scene.obstacles()) {
-    if (const auto* box = std::get_if<Box>(&obstacle.shape)) drawBox(*box, obstacle.pose, drawing);
+    const int before = renderer->GetActors()->GetNumberOfItems();
+    Drawing own;
+    if (const auto* box = std::get_if<Box>(&obstacle.shape))
+      drawBox(*box, obstacle.pose, obstacle.suspension ? own : drawing);
     addShape(renderer, obstacle);
+    if (!obstacle.suspension) continue;
+    if (!own.faces.empty()) addDrawing(renderer, own, scale);
+    movable.emplace_back(obstacle.pose, actorsFrom(renderer, before));
   }
   if (plane && !gum.faces.empty()) cutOpen(gum, *plane);
   addFaces(renderer, gum.faces, {kGum, 1.0, 0.3},
            [&](const Vec3& corner) { return gumColour(distanceToTeeth(corner, scene, solids)); });
   addFaces(renderer, gum.backs, {kGumBack, 1.0, 0.0});
   addLines(renderer, gum.edges, kGumEdge, 1.5f * scale);
-  addFaces(renderer, drawing.faces, kEnamelFinish);
-  addFaces(renderer, drawing.backs, {kEnamelGrid, 1.0, 0.0});
-  addLines(renderer, drawing.grid, kEnamelGrid, scale);
-  addLines(renderer, drawing.edges, kEnamelEdge, 2.0f * scale);
+  addDrawing(renderer, drawing, scale);
+  return movable;
 }
 
 void addWorkspace(vtkRenderer* renderer, float scale) {

@@ -1,7 +1,10 @@
-// Parts of a scene that do not move: the obstacles and the cube of the workspace.
+// The obstacles of a scene and the cube of the workspace.
 #pragma once
 
+#include <vtkActor.h>
+#include <vtkMatrix4x4.h>
 #include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
 
 #include <optional>
 #include <vector>
@@ -11,10 +14,28 @@
 
 namespace enamel::viewer {
 
+/// The bodies of an obstacle that moves in its suspension.
+class MovableView {
+ public:
+  /// `drawn`: at the pose `pose`.
+  MovableView(const Pose& pose, const std::vector<vtkActor*>& drawn);
+  void place(const Pose& pose);
+
+ private:
+  struct Body {
+    vtkSmartPointer<vtkActor> actor;
+    vtkSmartPointer<vtkMatrix4x4> drawn;
+  };
+  Pose pose_;
+  std::vector<Body> bodies_;
+};
+
 /// Draw all obstacles except solids, which have their own views: see opaquePlanes(). `solids`: copies by obstacle.
-/// `plane`: cuts the gum open, if set. `scale`: pixels per unit of layout, for the width of lines.
-void addObstacles(vtkRenderer* renderer, const SceneFile& file, const std::vector<SolidCopy>& solids,
-                  const std::optional<CutPlane>& plane, float scale);
+/// `plane`: cuts the gum open, if set. `scale`: pixels per unit of layout, for the width of lines. Returns the
+/// obstacles with a suspension, in their order.
+std::vector<MovableView> addObstacles(vtkRenderer* renderer, const SceneFile& file,
+                                      const std::vector<SolidCopy>& solids, const std::optional<CutPlane>& plane,
+                                      float scale);
 
 /// Draw the edges of the workspace's cube.
 void addWorkspace(vtkRenderer* renderer, float scale);

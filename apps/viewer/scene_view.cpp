@@ -114,7 +114,7 @@ void SceneView::build(const std::vector<Bar>& bars, const SceneFile& file, const
                       const std::optional<CutPlane>& plane, float scale) {
   renderer_->RemoveAllViewProps();
   above_->RemoveAllViewProps();
-  addObstacles(renderer_, file, solids, plane, scale);
+  movable_ = addObstacles(renderer_, file, solids, plane, scale);
   const std::vector<CutPlane> hidden = opaquePlanes(file.scene);
   solids_.clear();
   for (std::size_t i = 0; i < file.scene.obstacles().size(); ++i) {
@@ -140,6 +140,8 @@ void SceneView::update(const SceneState& state) {
   if (device || tool) p.raiseFaded(renderer_);
   for (const auto& solid : solids_)
     if (solid) solid->update();
+  for (std::size_t i = 0; i < std::min(movable_.size(), state.movable.size()); ++i)
+    if (state.movable[i]) movable_[i].place(*state.movable[i]);
   p.ghost.show(state.ghost.has_value());
   if (!whole) p.ghost.showGrip(false, false);
   if (state.ghost) p.ghost.place(*state.ghost, 0.0);

@@ -12,6 +12,8 @@
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/device/mechanism.hpp"
+#include "movable.hpp"
+#include "obstacle_view.hpp"
 #include "solid_view.hpp"
 
 namespace enamel::viewer {
@@ -28,6 +30,7 @@ struct SceneState {
   Vec3 watched = Vec3::Zero();
   double burAngle = 0.0;  ///< rotation of the bur, rad
   const Chips* chips = nullptr;
+  MovablePoses movable;       ///< of the obstacles with a suspension
   Vec3 force = Vec3::Zero();  ///< of the motors on the tool in addition to gravity, N: it represents the wall
 };
 
@@ -56,6 +59,7 @@ class SceneView {
   vtkRenderer* above_;
   std::unique_ptr<Parts> parts_;
   std::vector<std::unique_ptr<SolidView>> solids_;  // by obstacle; may be null
+  std::vector<MovableView> movable_;
 };
 
 }  // namespace enamel::viewer

@@ -316,6 +316,7 @@ void Viewer::fillShown(Pane& pane) const {
   shown.pose = pane.kinematics.pose;
   if (runner_) shown.hand = frame.hand.position;
   shown.force = frame.record.rendered.head<3>();
+  shown.movable = frame.movable;
   shown.touching.clear();
   for (int i = 0; i < frame.contacts.count; ++i) {
     const bool held = i == 0 && frame.record.mode == RenderMode::contact;

@@ -89,7 +89,7 @@ Status VirtualLoop::react(TickRecord& record) noexcept {
   record.time = device_.time();
   record.q = measurement_.q;
   record.torque = device_.torque();
-  describe(tick_.frame(), device_.kinematics(), scene_, tool_, &trueCache_, record);
+  describe(tick_.frame(), device_.kinematics(), tick_.scene().scene(), tool_, &trueCache_, record);
   return Status::ok;
 }
 
