@@ -164,6 +164,7 @@ TEST_CASE("position control learns a constant delay: of a range, or a tick away 
     for (const Delay& stated : {Delay{1, 1}, Delay{0, 2}})
       for (int delay = std::max(0, stated.low - 1); delay <= stated.high + 1; ++delay)
         for (const bool isSilent : {false, true}) {
+          if (!test::longRun() && (cable > 0.0 || !isSilent)) continue;
           const Delay truth{delay, delay};
           const std::string range = std::to_string(stated.low) + ".." + std::to_string(stated.high),
                             reports = isSilent ? ", no reports" : ", reports";
