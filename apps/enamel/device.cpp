@@ -11,6 +11,7 @@
 #include <iostream>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <thread>
 
 #include "commands.hpp"
@@ -177,7 +178,7 @@ void print(const PositionControlState& learnt, const Delay& stated) {
              learnt.mass / interval, learnt.mass * interval);
   const Delay delay{learnt.delayLow, learnt.delayHigh};
   if (toText(delay) != toText(stated))
-    fmt::print(", delay {} ticks instead of {}: add delay={} to the URL", toText(delay), toText(stated), toText(delay));
+    fmt::print(", delay {} instead of {} ticks: measure it with --first-touch", toText(delay), toText(stated));
   fmt::print("\n");
 }
 
@@ -221,9 +222,12 @@ void connect(const DeviceOptions& options) {
   def.maxForce = options.force;
   Tally tally;
   bool hasTicked = false;
+  const PositionControlRenderer* control = nullptr;
+  std::optional<PositionControlState> learnt;  // in the last contact; the end of the loop resets the renderer
   def.beforeTick = [&](TickAccess& access) {
     tally.count(access.measurement());
     if (hasTicked) tally.count(access.frame());
+    if (hasTicked && control != nullptr && access.frame().output.mode == RenderMode::contact) learnt = control->state();
     hasTicked = true;
   };
   Session session(def);
@@ -235,6 +239,7 @@ void connect(const DeviceOptions& options) {
   }
   if (options.spin && session.haptics().drill() == nullptr) throw Error(options.scene + ": --spin needs a table [bur]");
   session.spin(options.spin);
+  control = dynamic_cast<const PositionControlRenderer*>(&session.haptics().renderer());
   const InterruptGuard interruptions(InterruptGuard::Second::isIgnored);
   if (options.spin && parseDeviceUrl(options.connect).scheme == kVirtualScheme)
     session.start(makeVirtualDevice(session, drillingHand(session.start())));
@@ -260,8 +265,7 @@ void connect(const DeviceOptions& options) {
   }
   tally.count(session.haptics().frame());
   tally.print();
-  if (const auto* control = dynamic_cast<const PositionControlRenderer*>(&session.haptics().renderer()))
-    print(control->state(), delay);
+  if (learnt) print(*learnt, delay);
   if (options.spin) {
     const RemovedVolume removed = session.snapshot().removed;
     fmt::print("removed {:.3f} mm^3\n", 1e9 * std::accumulate(removed.begin(), removed.end(), 0.0));

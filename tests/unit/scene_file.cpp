@@ -205,6 +205,8 @@ TEST_CASE("scene files: a suspension is read", "[scene]") {
   CHECK_THROWS_WITH(with(""), test::ContainsSubstring("obstacle[0].suspension.inertia: is missing"));
   CHECK_THROWS_WITH(with("inertia = [0, 0, 0, 0, 0, 0]\n"),
                     test::ContainsSubstring("is 0 along and about every axis, must be above 0 in one"));
+  CHECK_THROWS_WITH(with("inertia = [1, 1, 1e-13, 0, 0, 0]\n"),
+                    test::ContainsSubstring("suspension.inertia[2]: is 1e-13, must be 0 (locked) or at least 1e-12"));
   CHECK_THROWS_WITH(with("inertia = [1, 1, -1, 0, 0, 0]\n"),
                     test::ContainsSubstring("suspension.inertia[2]: is -1, must be in 0 to 1e+06 kg or kg m^2"));
   CHECK_THROWS_WITH(with(mass + "stiffness = [0, 2e9, 0, 0, 0, 0]\n"),

@@ -67,11 +67,13 @@ void Scene::check(const Obstacle& obstacle, std::size_t number) const {
   if (!obstacle.suspension) return;
   const Suspension& s = *obstacle.suspension;
   const auto isSound = [](const Vec6& v) { return v.allFinite() && v.minCoeff() >= 0.0; };
+  const bool isHeavy = (s.inertia.array() == 0.0 || s.inertia.array() >= kLeastMovableInertia).all();
   if (!s.centre.allFinite() || !isNear(s.centre) || !isSound(s.inertia) || !isSound(s.stiffness) ||
-      !isSound(s.damping) || s.inertia.isZero(0.0))
+      !isSound(s.damping) || s.inertia.isZero(0.0) || !isHeavy)
     throw Error(name +
-                ": inertia, stiffness and damping of the suspension must be at least 0 and finite, an inertia "
-                "must be above 0, and its centre within " +
+                ": inertia, stiffness and damping of the suspension must be at least 0 and finite, an inertia 0 or at "
+                "least " +
+                formatNumber(kLeastMovableInertia) + ", one of them above 0, and its centre within " +
                 formatNumber(kFarthest) + " m");
 }
 

@@ -158,6 +158,11 @@ std::shared_ptr<const Suspension> readSuspension(TomlTable& obstacle) {
   };
   if (table.has("centre")) suspension.centre = position(table, "centre");
   read("inertia", kMostInertia, "kg or kg m^2", suspension.inertia);
+  for (int i = 0; i < 6; ++i)
+    if (suspension.inertia[i] > 0.0 && suspension.inertia[i] < kLeastMovableInertia)
+      table.fail("inertia[" + std::to_string(i) + "]", "is " + formatNumber(suspension.inertia[i]) +
+                                                           ", must be 0 (locked) or at least " +
+                                                           formatNumber(kLeastMovableInertia));
   if (suspension.inertia.isZero(0.0)) table.fail("inertia", "is 0 along and about every axis, must be above 0 in one");
   if (table.has("stiffness")) read("stiffness", kMostStiffness, "N/m or N m/rad", suspension.stiffness);
   if (table.has("damping")) read("damping", kMostDamping, "N s/m or N m s/rad", suspension.damping);

@@ -21,7 +21,8 @@ using Shape =
 /// then turns, along and about the axes of the obstacle's frame at rest. These axes do not turn with the obstacle.
 struct Suspension {
   Vec3 centre = Vec3::Zero();     ///< of the mass and of the springs, in the obstacle's frame, m
-  Vec6 inertia = Vec6::Zero();    ///< kg and kg m^2; 0: the obstacle does not move along or about this axis
+  Vec6 inertia = Vec6::Zero();    ///< kg and kg m^2, at least kLeastMovableInertia; 0: the obstacle does not move along
+                                  ///< or about this axis
   Vec6 stiffness = Vec6::Zero();  ///< N/m and N m/rad; 0: a loose obstacle
   Vec6 damping = Vec6::Zero();    ///< N s/m and N m s/rad
 };
@@ -41,6 +42,9 @@ struct Obstacle {
 /// Limits of an obstacle: distance from the origin of W along each axis (m), speed (m/s), turn rate (rad/s).
 inline constexpr double kFarthest = 100.0, kFastest = 100.0, kFastestTurn = 1000.0;
 
+/// Least inertia of a suspension that is not 0, kg and kg m^2. A lighter obstacle would be lost in rounding.
+inline constexpr double kLeastMovableInertia = 1e-12;
+
 /// A list of obstacles. Add them before the ticks begin: in a tick only poses, twists and `active` may change. To add
 /// obstacles later, give the tick a new TickScene.
 class Scene {
@@ -54,7 +58,8 @@ class Scene {
   /// - a material with a stiffness not above 0 N/m, friction outside 0 to 10, sliding friction outside 0 to the
   ///   friction, or a viscosity outside 0 to kLargestViscosity;
   /// - a thickness that is negative or not finite, or above 0 for a shape other than a mesh;
-  /// - a suspension with a number that is not finite or negative (except `centre`), or without inertia.
+  /// - a suspension with a number that is not finite or negative (except `centre`), without inertia, or with one
+  ///   between 0 and kLeastMovableInertia.
   int add(Obstacle obstacle);
 
   /// Replace an obstacle; its number remains. Throws Error as add(), and if no obstacle has this number. Realtime: no.
