@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cmath>
 #include <memory>
 
 #include "bench/scene_cost.hpp"
@@ -44,6 +45,21 @@ std::string materialText(const Material& m) {
   return m.viscosity > 0.0 ? text + fmt::format(", {:.3g} N s/m", m.viscosity) : text;
 }
 
+// The axes along and about which an obstacle moves.
+std::string suspensionText(const Suspension& s) {
+  constexpr const char* kAxes[] = {"along x", "along y", "along z", "about x", "about y", "about z"};
+  std::string text;
+  for (int i = 0; i < 6; ++i) {
+    const double m = s.inertia[i], k = s.stiffness[i];
+    if (m == 0.0) continue;  // locked
+    text += fmt::format("{}{} {:.3g} {}", text.empty() ? "moves " : "; ", kAxes[i], m, i < 3 ? "kg" : "kg m^2");
+    text += k > 0.0
+                ? fmt::format(", {:.5g} {} ({:.4g} Hz)", k, i < 3 ? "N/m" : "N m/rad", std::sqrt(k / m) / (2.0 * M_PI))
+                : std::string(", loose");
+  }
+  return text;
+}
+
 void printCost(const std::string& name, const Scene& scene, const SceneFile& file) {
   constexpr int kTicks = 5000;
   constexpr double kReach = 5e-3;  // m
@@ -84,6 +100,7 @@ void run(const SceneOptions& options) {
                std::visit([](const auto& shape) { return whatIs(shape); }, obstacle.shape));
     if (!std::holds_alternative<std::shared_ptr<const Solid>>(obstacle.shape))
       fmt::print("{:<12} {}\n", "", materialText(obstacle.material));
+    if (obstacle.suspension) fmt::print("{:<12} {}\n", "", suspensionText(*obstacle.suspension));
   }
   if (file.bur) fmt::print("{:<12} part {} of the tool cuts\n", "bur", file.bur->part);
   for (const std::string& note : file.notes) fmt::print("note: {}\n", note);
