@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace enamel {
 namespace {
@@ -14,18 +13,19 @@ constexpr double kFar = 50.0;     // evidence against a delay in one tick, at mo
 
 }  // namespace
 
-DelayEstimator::DelayEstimator(const ModeData& data) {
-  const auto add = [&](int low, int high, double prior) {
+DelayEstimator::DelayEstimator(const ModeData& data)
+    : shortest_(std::max(0, data.delayLow - 1)), longest_(std::min(kMaxLoopDelay, data.delayHigh + 1)) {
+  const auto add = [&](int low, int high) {
     ModeData d = data;
     d.delayLow = low;
     d.delayHigh = high;
     const int n = high - low;
-    delays_.push_back({low, n, std::min(n + 1.0, 1.0 + kRepeats * std::sqrt(n / (n + 1.0))), reactionTime(d), prior});
+    delays_.push_back({low, n, std::min(n + 1.0, 1.0 + kRepeats * std::sqrt(n / (n + 1.0))), reactionTime(d)});
   };
   const int low = data.delayLow, high = data.delayHigh;
-  add(low, high, 1.0);
-  for (int d = std::max(0, low - 1); d <= std::min(kMaxLoopDelay, high + 1); ++d)
-    if (low < high || d != low) add(d, d, kPrior);
+  add(low, high);
+  for (int d = shortest_; d <= longest_; ++d)
+    if (low < high || d != low) add(d, d);
 }
 
 std::vector<ModeData> DelayEstimator::designs(ModeData data) const {
@@ -40,23 +40,17 @@ std::vector<ModeData> DelayEstimator::designs(ModeData data) const {
 
 DelayEstimator::State DelayEstimator::start() const noexcept {
   State s{};
-  for (std::size_t i = 0; i < delays_.size(); ++i) s.probability[i] = delays_[i].prior;
+  for (std::size_t i = 0; i < delays_.size(); ++i) s.probability[i] = i == 0 ? 1.0 : kPrior;
   return s;
 }
 
 bool DelayEstimator::accepts(const State& s) const noexcept {
-  bool isSound = false;
-  for (std::size_t i = 0; i < delays_.size(); ++i) {
-    if (!(s.probability[i] >= kLeast && s.probability[i] <= 1.0)) return false;
-    isSound = isSound || s.likeliest == static_cast<double>(i);
-  }
-  return isSound;
+  return std::all_of(s.probability, s.probability + delays_.size(), [](double p) { return p >= kLeast && p <= 1.0; });
 }
 
-void DelayEstimator::learn(State& s, const double (&evidence)[kMaxLoopDelay + 1]) const noexcept {
-  double most = -std::numeric_limits<double>::infinity(), total = 0.0, probability[kMost];
-  for (const LoopDelay& delay : delays_)
-    for (int d = delay.low; d <= delay.low + delay.pending; ++d) most = std::max(most, evidence[d]);
+int DelayEstimator::learn(State& s, int likeliest, const double (&evidence)[kMaxLoopDelay + 1]) const noexcept {
+  const double most = *std::max_element(evidence + shortest_, evidence + longest_ + 1);
+  double total = 0.0, probability[kMost];
   for (std::size_t i = 0; i < delays_.size(); ++i) {
     const LoopDelay& delay = delays_[i];
     double mean = 0.0;
@@ -64,11 +58,12 @@ void DelayEstimator::learn(State& s, const double (&evidence)[kMaxLoopDelay + 1]
       mean += std::exp(std::max(evidence[d] - most, -kFar)) / (delay.pending + 1);
     total += probability[i] = s.probability[i] * mean;
   }
-  if (!(total > 0.0)) return;
+  if (!(total > 0.0)) return likeliest;
   for (std::size_t i = 0; i < delays_.size(); ++i) {
     s.probability[i] = std::max(probability[i] / total, kLeast);
-    if (s.probability[i] > s.probability[static_cast<std::size_t>(s.likeliest)]) s.likeliest = static_cast<double>(i);
+    if (s.probability[i] > s.probability[likeliest]) likeliest = static_cast<int>(i);
   }
+  return likeliest;
 }
 
 }  // namespace enamel

@@ -13,7 +13,6 @@ struct LoopDelay {
   int low, pending;  ///< ticks; older commands that may act instead of the newest
   double acts;       ///< largest number of ticks in which a command acts: mean plus two standard deviations
   double reaction;   ///< reactionTime(), s
-  double prior;      ///< probability before any sample
 };
 
 class DelayEstimator {
@@ -22,23 +21,27 @@ class DelayEstimator {
 
   // Plain numbers.
   struct State {
-    double probability[kMost], likeliest;
+    double probability[kMost];
   };
 
-  /// The first delay is that of the data. The others are constant: those of its range, one tick less, and one more.
+  /// Delay 0 is that of the data. The others are constant: those of its range, one tick less, and one more.
   explicit DelayEstimator(const ModeData& data);
 
-  const std::vector<LoopDelay>& delays() const noexcept { return delays_; }
-  const LoopDelay& likeliest(const State& s) const noexcept { return delays_[static_cast<std::size_t>(s.likeliest)]; }
+  const LoopDelay& operator[](int i) const noexcept { return delays_[static_cast<std::size_t>(i)]; }
+  /// Return the shortest and the longest delay in question, ticks.
+  int shortest() const noexcept { return shortest_; }
+  int longest() const noexcept { return longest_; }
   /// Return data for a design of each delay.
   std::vector<ModeData> designs(ModeData data) const;
   State start() const noexcept;
   /// Return whether a saved state can be continued.
   bool accepts(const State& s) const noexcept;
-  /// Update by the logarithm of the likelihood of each constant delay in a tick, index: ticks. Realtime: yes.
-  void learn(State& s, const double (&evidence)[kMaxLoopDelay + 1]) const noexcept;
+  /// Update by the logarithm of the likelihood of each constant delay in a tick, index: ticks. Returns the likeliest
+  /// delay; `likeliest`: before. Realtime: yes.
+  int learn(State& s, int likeliest, const double (&evidence)[kMaxLoopDelay + 1]) const noexcept;
 
  private:
+  int shortest_, longest_;
   std::vector<LoopDelay> delays_;
 };
 

@@ -94,7 +94,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void start(const TickFrame& frame, const JointRow& reading) noexcept;
   void decouple(const TickFrame& frame, bool whole) noexcept;
   void observe(const TickFrame& frame, const JointRow& reading) noexcept;
-  const LoopDelay& delay() const noexcept { return delays_.likeliest(memory_.delay); }
+  const LoopDelay& delay() const noexcept { return delays_[static_cast<int>(memory_.observer.design)]; }
   Rebound rebound() const noexcept { return {delay().reaction, options_.encoderStep}; }
   JointRow acting(int ahead) const noexcept;
   void learnDelay(const TickFrame& frame, const Lane& reading, const Lane& command) noexcept;
@@ -121,9 +121,8 @@ PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControl
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
   const bool isSound = memory_.walls.count >= 0 && memory_.walls.count <= kMostWalls;
-  if (!isSound || (memory_.started != 0.0 &&
-                   !(delays_.accepts(memory_.delay) && memory_.observer.design == memory_.delay.likeliest &&
-                     observer_.accepts(memory_.observer, joints_))))
+  if (!isSound ||
+      (memory_.started != 0.0 && !(delays_.accepts(memory_.delay) && observer_.accepts(memory_.observer, joints_))))
     reset();
   else if (memory_.started != 0.0)
     observer_.reload(memory_.observer);
@@ -214,10 +213,11 @@ void PositionControlRenderer::ControllerOf<kMech>::start(const TickFrame& frame,
   const Kinematics& k = frame.kinematics;
   const double ignored = memory_.ignored;
   const DelayEstimator::State delay = memory_.started != 0.0 ? memory_.delay : delays_.start();
+  const int likeliest = static_cast<int>(memory_.observer.design);
   memory_ = Memory{};
   memory_.ignored = ignored;
   memory_.delay = delay;
-  observer_.use(memory_.observer, static_cast<int>(delay.likeliest));
+  observer_.use(memory_.observer, likeliest);
   double force = 0.0;  // mean over the axes
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 along = Vec3::Unit(axis);
@@ -298,40 +298,37 @@ template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::learnDelay(const TickFrame& frame, const Lane& reading,
                                                               const Lane& command) noexcept {
   Memory& m = memory_;
-  const auto& delays = delays_.delays();
   double evidence[kMaxLoopDelay + 1] = {};
   if (frame.applied) {
-    for (const LoopDelay& d : delays) {
+    for (int d = delays_.shortest(); d <= delays_.longest(); ++d) {
       double square = 0.0;
-      for (int j = 0; d.pending == 0 && j < joints_; ++j) {
-        const double report = (*frame.applied)[j] - frame.kinematics.gravity[j], error = report - m.sent[d.low][j],
+      for (int j = 0; j < joints_; ++j) {
+        const double report = (*frame.applied)[j] - frame.kinematics.gravity[j], error = report - m.sent[d][j],
                      share = kReportScale * report, noise = kReportFloor * frame.maxTorque[j];
         if (noise > 0.0) square += error * error / (share * share + noise * noise);
       }
-      if (d.pending == 0) evidence[d.low] = std::log((1.0 - kFalseReport) * std::exp(-0.5 * square) + kFalseReport);
+      evidence[d] = std::log((1.0 - kFalseReport) * std::exp(-0.5 * square) + kFalseReport);
     }
   } else {
     Lane more[kMaxLoopDelay + 1];
     double effect = 0.0;
-    for (const LoopDelay& d : delays) {
-      if (d.pending > 0) continue;
-      more[d.low] = toModes(m.sent[d.low]);
-      for (int k = 0; k < kLanes; ++k) more[d.low][k] -= command[k];
-      effect = std::max(effect, observer_.effect(m.observer, more[d.low]));
+    for (int d = delays_.shortest(); d <= delays_.longest(); ++d) {
+      more[d] = toModes(m.sent[d]);
+      for (int k = 0; k < kLanes; ++k) more[d][k] -= command[k];
+      effect = std::max(effect, observer_.effect(m.observer, more[d]));
     }
     if (effect < kVisible) return;
-    for (const LoopDelay& d : delays)
-      if (d.pending == 0) evidence[d.low] = observer_.likelihood(m.observer, reading, more[d.low]);
+    for (int d = delays_.shortest(); d <= delays_.longest(); ++d)
+      evidence[d] = observer_.likelihood(m.observer, reading, more[d]);
   }
-  const double before = m.delay.likeliest;
-  delays_.learn(m.delay, evidence);
-  if (m.delay.likeliest == before) return;
+  const int before = static_cast<int>(m.observer.design), likeliest = delays_.learn(m.delay, before, evidence);
+  if (likeliest == before) return;
+  observer_.use(m.observer, likeliest);
   if (!frame.applied) {
     Lane change = toModes(acting(0));
     for (int k = 0; k < kLanes; ++k) change[k] -= command[k];
     observer_.command(m.observer, change);
   }
-  observer_.use(m.observer, static_cast<int>(m.delay.likeliest));
   observer_.refresh(m.observer);
 }
 
