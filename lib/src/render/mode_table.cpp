@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <mutex>
 #include <utility>
 
@@ -147,10 +148,29 @@ ModeGains<kMech> gainsAt(const ModeData& d, double unseen, double inertia, Desig
 const double kLowest = std::log(1e-7), kStep = 0.05;
 constexpr int kEntries = 415;  // up to 1e2
 
+template <class At>
+auto atAllInertias(const At& at) {
+  std::vector<decltype(at(1.0))> entries;
+  entries.reserve(kEntries);
+  for (int i = 0; i < kEntries; ++i) entries.push_back(at(std::exp(kLowest + i * kStep)));
+  return entries;
+}
+
+template <int kMech>
+std::vector<ModeModel<kMech>> modelsOf(const ModeData& data) {
+  return atAllInertias([&](double inertia) { return modelAt<kMech>(data, inertia); });
+}
+
+template <int kMech>
+std::vector<ModeGains<kMech>> gainsOf(const ModeData& data, double unseen) {
+  Design<kMech + 1> design(data.delayHigh - data.delayLow);
+  return atAllInertias([&](double inertia) { return gainsAt<kMech>(data, unseen, inertia, design); });
+}
+
 // Return the cached table of these numbers, or make it.
 template <class Entry, std::size_t n>
 std::shared_ptr<const InertiaTable<Entry>> shared(const std::array<double, n>& key,
-                                                  const std::function<Entry(double inertia)>& at) {
+                                                  const std::function<std::vector<Entry>()>& make) {
   constexpr std::size_t kKept = 64;
   static std::mutex mutex;
   // Most recently used last. The key contains everything that determines a table.
@@ -161,7 +181,7 @@ std::shared_ptr<const InertiaTable<Entry>> shared(const std::array<double, n>& k
     std::rotate(found, found + 1, kept.end());
   } else {
     if (kept.size() == kKept) kept.erase(kept.begin());
-    kept.emplace_back(key, std::make_shared<const InertiaTable<Entry>>(at));
+    kept.emplace_back(key, std::make_shared<const InertiaTable<Entry>>(make()));
   }
   return kept.back().second;
 }
@@ -201,12 +221,6 @@ ModeMotion<kMech> modeMotion(const Drive& drive, double inertia, double seconds)
 }
 
 template <class Entry>
-InertiaTable<Entry>::InertiaTable(const std::function<Entry(double inertia)>& at) {
-  entries_.reserve(kEntries);
-  for (int i = 0; i < kEntries; ++i) entries_.push_back(at(std::exp(kLowest + i * kStep)));
-}
-
-template <class Entry>
 void InertiaTable<Entry>::read(double logInertia, int lane, double (*value)[kLanes], double (*slope)[kLanes],
                                int slopes) const noexcept {
   const double last = static_cast<double>(entries_.size() - 1);
@@ -224,7 +238,7 @@ template <int kMech>
 std::shared_ptr<const InertiaTable<ModeModel<kMech>>> modelTableOf(const ModeData& data) {
   const Drive& drive = data.drive;
   const std::array key = {data.period, drive.bandwidth, drive.rotorInertia, drive.stiffness, drive.damping};
-  return shared<ModeModel<kMech>>(key, [&](double inertia) { return modelAt<kMech>(data, inertia); });
+  return shared<ModeModel<kMech>>(key, [&] { return modelsOf<kMech>(data); });
 }
 
 template <int kMech>
@@ -240,8 +254,7 @@ std::shared_ptr<const InertiaTable<ModeGains<kMech>>> gainTableOf(const ModeData
                           data.pushShare,
                           data.forceCost,
                           unseen};
-  Design<kMech + 1> design(data.delayHigh - data.delayLow);
-  return shared<ModeGains<kMech>>(key, [&](double inertia) { return gainsAt<kMech>(data, unseen, inertia, design); });
+  return shared<ModeGains<kMech>>(key, [&] { return gainsOf<kMech>(data, unseen); });
 }
 
 template ModeMotion<2> modeMotion<2>(const Drive& drive, double inertia, double seconds);

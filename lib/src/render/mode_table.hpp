@@ -16,8 +16,8 @@
 // the depth of a large step of the hand that no controller can avoid at this delay and encoder step.
 #pragma once
 
-#include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "enamel/device/mechanism.hpp"
@@ -94,8 +94,7 @@ class InertiaTable {
  public:
   static constexpr int kNumbers = sizeof(Entry) / sizeof(double);
 
-  /// `at`: the entry of an inertia; called in ascending order.
-  explicit InertiaTable(const std::function<Entry(double inertia)>& at);
+  explicit InertiaTable(std::vector<Entry> entries) : entries_(std::move(entries)) {}
 
   /// Write the numbers at an inertia, and the derivatives of the first `slopes` by its logarithm, into a lane.
   /// Realtime: yes.

@@ -92,12 +92,11 @@ struct Steps {
   }
 
   // x and P after a tick: P becomes G P G^T + Q with the transition G. Its column for ln(mass) is given by the slopes.
-  static void propagate(const Model& m, const Lane& command, const Lane& matters, double scale,
+  static void propagate(const Model& m, const Lane& command, const Wide (&slope)[kMech], double scale,
                         const Wide (&Q)[Observer::kPairs], States& x, Pairs& P) noexcept {
     const double em = m.lagKept, eg = m.growthKept, cg = m.growthSum;
     const auto p = [&P](int i, int j) { return wide(P[at(i, j)]); };
-    Wide slope[kMech], half[kMech][kStates];
-    slopes(m, command, matters, x, slope);
+    Wide half[kMech][kStates];
     for (int i = 0; i < kMech; ++i)
       for (int j = 0; j < kStates; ++j) {
         half[i][j] = slope[i] * p(kScale, j);
@@ -166,10 +165,9 @@ struct Steps {
       for (int j = 0; j <= i; ++j, ++n) wide(P[n]) -= gain[i] * column[j];
   }
 
-  // The derivative of the states by ln(stiffness) after a tick. Its part for ln(mass) changes the motion as the mass.
-  static void predictByCable(const Model& m, const Lane& command, const Lane& matters, State& s) noexcept {
-    Wide slope[kMech], forced[kMech];
-    slopes(m, command, matters, s.mean, slope);
+  // The derivative of the states by ln(stiffness) after a tick. Its part for ln(mass) moves the modes by `slope`.
+  static void moveByCable(const Model& m, const Lane& command, const Wide (&slope)[kMech], State& s) noexcept {
+    Wide forced[kMech];
     for (int i = 0; i < kMech; ++i) {
       forced[i] = wide(m.byCable[Numbers::kCommandAt + i]) * wide(command) + slope[i] * wide(s.byCable[kScale]);
       for (int j = 0; j < kFree; ++j) forced[i] += wide(m.byCable[i * kFree + j]) * wide(s.mean[j]);
@@ -183,21 +181,23 @@ struct Steps {
   // stiffness changes its reading by more than these. Modes are not independent: their information is averaged.
   static void correctCable(const ModeData& data, const Model& m, int read, const Evidence* seen,
                            const Wide (&gain)[kStates], State& s) noexcept {
-    const int count = static_cast<int>(s.count);
-    const Wide effect = wide(s.byCable[read]),
-               friction = kLargestFriction * data.drive.disturbance * wide(m.value[Numbers::kRotorAt + read]);
-    const Mask isSeen = effect * effect * s.cableVariance > wide(s.readingVariance) + friction * friction;
+    const int count = static_cast<int>(s.count), modes = static_cast<int>(s.modes);
+    const double largest = kLargestFriction * data.drive.disturbance;
+    const Wide effect = wide(s.byCable[read]), friction = largest * wide(m.value[Numbers::kRotorAt + read]),
+               excess = effect * effect * s.cableVariance - friction * friction - wide(s.readingVariance);
+    for (int i = 0; i < kStates; ++i) wide(s.byCable[i]) = wide(s.byCable[i]) - gain[i] * effect;
+    double most = 0.0;
+    for (int k = 0; k < modes; ++k) most = std::max(most, excess[k]);
+    if (!(most > 0.0)) return;
     Wide score = {}, information = {};
     for (int p = 0; p < count; ++p) {
       const Wide per = s.weight[p] * effect / wide(seen[p].variance);
       score += per * wide(seen[p].innovation);
       information += per * effect;
     }
-    for (int i = 0; i < kStates; ++i) wide(s.byCable[i]) = wide(s.byCable[i]) - gain[i] * effect;
-    score = select(isSeen, score, 0.0);
-    information = select(isSeen, information, 0.0);
     double sum = 0.0, squares = 0.0, scores = 0.0;
-    for (int k = 0; k < static_cast<int>(s.modes); ++k) {
+    for (int k = 0; k < modes; ++k) {
+      if (!(excess[k] > 0.0)) continue;
       sum += information[k];
       squares += information[k] * information[k];
       scores += score[k];
@@ -241,11 +241,13 @@ struct Steps {
                        link * wide(m.value[Numbers::kLinkAt + i]) * wide(m.value[Numbers::kLinkAt + j]);
     Q[at(kScale, kScale)] += kScaleWander * kScaleWander * data.period;
 
+    Wide slope[kMech];
+    slopes(m, command, matters, s.part[0].x, slope);
     if constexpr (kMech == 4) {
-      predictByCable(m, command, matters, s);
+      moveByCable(m, command, slope, s);
       s.cableVariance += kScaleWander * kScaleWander * data.period;
     }
-    propagate(m, command, matters, s.scale, Q, s.part[0].x, s.P);
+    propagate(m, command, slope, s.scale, Q, s.part[0].x, s.P);
     for (int p = 1; p < count; ++p) {
       carry(m, command, matters, s.scale, s.part[p].x);
       advance(m, s.part[p].g);
@@ -264,6 +266,45 @@ struct Steps {
     }
     s.weight[0] *= 1.0 - jumps;
     s.count = count + kBins;
+  }
+
+  // A part of a tick, to the second order: Phi = I + t A + t^2 A^2 / 2 for positions, I + t A for speeds.
+  static void shift(const Drive& drive, double stiffness, double seconds, State& s) noexcept {
+    constexpr int link = kMech - 2;
+    Model m = {};
+    m.lagKept = m.growthKept = 1.0;
+    const Wide perLink = 1.0 / wide(s.used);
+    for (int i = 0; i < kMech; i += 2) {
+      Wide acceleration[kFree] = {};
+      if (kMech == 4) {
+        const Wide perMass = i == 0 ? Wide(-1.0 / drive.rotorInertia) : perLink;
+        acceleration[0] = stiffness * perMass;
+        acceleration[1] = drive.damping * perMass;
+        acceleration[link] = -acceleration[0];
+        acceleration[link + 1] = -acceleration[1];
+        if (i == 0) acceleration[kLag] = 1.0 / drive.rotorInertia;
+      } else {
+        acceleration[kLag] = perLink;
+      }
+      if (i == link) acceleration[kPush] = perLink;
+      for (int j = 0; j < kFree; ++j) {
+        wide(m.value[i * kFree + j]) = 0.5 * seconds * seconds * acceleration[j];
+        wide(m.value[(i + 1) * kFree + j]) = seconds * acceleration[j];
+      }
+      wide(m.value[i * kFree + i]) += 1.0;
+      wide(m.value[i * kFree + i + 1]) += seconds;
+      wide(m.value[(i + 1) * kFree + i + 1]) += 1.0;
+    }
+    const Wide none[kMech] = {}, quiet[Observer::kPairs] = {};
+    const Lane command{};
+    if constexpr (kMech == 4) {
+      const Wide stretch = wide(s.part[0].x[0]) - wide(s.part[0].x[link]);
+      advance(m, s.byCable);
+      for (int i = 0; i < kMech; ++i) wide(s.byCable[i]) += (wide(m.value[i * kFree]) - (i == 0 ? 1.0 : 0.0)) * stretch;
+    }
+    propagate(m, command, none, 0.0, quiet, s.part[0].x, s.P);
+    for (int p = 1; p < static_cast<int>(s.count); ++p) advance(m, s.part[p].x);
+    for (int p = 1; p < static_cast<int>(s.count); ++p) advance(m, s.part[p].g);
   }
 
   // Logarithm of the likelihood of a reading of state `read`, up to a constant, if `more` had been added to the
@@ -441,6 +482,6 @@ struct Steps {
 };
 
 template <int kMech>
-constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry,      Steps<kMech>::predict, Steps<kMech>::weigh,
-                                      Steps<kMech>::likelihood, Steps<kMech>::correct, Steps<kMech>::merge,
-                                      Steps<kMech>::moments};
+constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry, Steps<kMech>::predict,    Steps<kMech>::shift,
+                                      Steps<kMech>::weigh, Steps<kMech>::likelihood, Steps<kMech>::correct,
+                                      Steps<kMech>::merge, Steps<kMech>::moments};

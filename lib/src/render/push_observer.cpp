@@ -10,7 +10,7 @@
 namespace enamel {
 namespace {
 
-constexpr double kRefreshed = 2e-3;  // change of ln(inertia), or of ln(stiffness), that updates the model
+constexpr double kRefreshed = 2e-3, kStiffer = 1e-2;  // changes of ln(inertia), ln(stiffness) that update the model
 
 template <int kMech>
 const ObserverSteps<kMech>& steps() noexcept {
@@ -135,7 +135,7 @@ void PushObserver<kMech>::use(State& s, int design) const noexcept {
 template <int kMech>
 void PushObserver<kMech>::refresh(State& s) noexcept {
   const double whole = std::exp(s.scale);
-  const bool isStiffer = std::abs(s.cable - s.usedCable) > kRefreshed;
+  const bool isStiffer = std::abs(s.cable - s.usedCable) > kStiffer;
   if (isStiffer) s.usedCable = s.cable;
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     const double wanted = s.inertia[k] * whole;
@@ -227,12 +227,7 @@ void PushObserver<kMech>::predict(State& s, const Lane& command, const Lane& var
 
 template <int kMech>
 void PushObserver<kMech>::shift(State& s, double seconds) const noexcept {
-  const auto move = [seconds](States& x) {
-    for (int i = 0; i < kMech; i += 2)
-      for (int k = 0; k < kLanes; ++k) x[i][k] += seconds * x[i + 1][k];
-  };
-  for (int p = 0; p < static_cast<int>(s.count); ++p) move(s.part[p].x);
-  if (kMech == 4) move(s.byCable);
+  steps<kMech>().shift(data_.drive, stiffness(s), seconds, s);
 }
 
 template <int kMech>
@@ -305,6 +300,7 @@ void PushObserver<kMech>::advanceSensitivity(const Lane& command, const States& 
 template <int kMech>
 void PushObserver<kMech>::law(const State& s, const States& x, const Lane* pending, ControlLaw& law) const noexcept {
   const int older = data(s).delayHigh - data(s).delayLow;
+  const double compliance = kMech == 4 ? 1.0 / stiffness(s) : 0.0;
   law.stiffness.fill(1.0);
   law.lead.fill(0.0);
   law.wouldBe.fill(0.0);
@@ -316,7 +312,7 @@ void PushObserver<kMech>::law(const State& s, const States& x, const Lane* pendi
     double damping = g(1);
     law.stiffness[k] = g(0);
     if (kMech == 4) {
-      asked += g(0) * p / stiffness(s) + g(2) * x[2][k] + g(3) * x[3][k];
+      asked += g(0) * p * compliance + g(2) * x[2][k] + g(3) * x[3][k];
       law.stiffness[k] += g(2);
       damping += g(3);
     }

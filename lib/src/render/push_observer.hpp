@@ -100,7 +100,7 @@ class PushObserver {
   void rotate(State& s, int i, int j, double cosine, double sine) const noexcept;
 
   /// Predict one tick under a command, with the hypotheses that branch off. variance: of the command, if it is not
-  /// known which one acts. shift(): a part of a tick, first order.
+  /// known which one acts. shift(): a part of a tick, second order.
   void predict(State& s, const Lane& command, const Lane& variance = {}) const noexcept;
   void shift(State& s, double seconds) const noexcept;
   /// Return the largest innovation of a mode, in deviations, by the hypothesis that fits best.
