@@ -245,7 +245,8 @@ struct Steps {
     slopes(m, command, matters, s.part[0].x, slope);
     if constexpr (kMech == 4) {
       moveByCable(m, command, slope, s);
-      s.cableVariance += kScaleWander * kScaleWander * data.period;
+      s.cableVariance = std::min(s.cableVariance + kScaleWander * kScaleWander * data.period,
+                                 Observer::kCablePrior * Observer::kCablePrior);
     }
     propagate(m, command, slope, s.scale, Q, s.part[0].x, s.P);
     for (int p = 1; p < count; ++p) {
