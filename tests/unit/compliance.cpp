@@ -9,6 +9,7 @@
 
 #include "support/bench.hpp"
 #include "support/catch.hpp"
+#include "support/meshes.hpp"
 #include "support/run_length.hpp"
 
 namespace enamel::test_compliance {
@@ -256,6 +257,62 @@ TEST_CASE("compliance: a layer breaks at its puncture force, and holds again aft
       run(1.0, 400, atLayer);
       CHECK(bench.force() == Approx(1.0).epsilon(0.05));
     }
+}
+
+TEST_CASE("compliance: a layer of a solid ends where the next one begins, also after a cut", "[compliance]") {
+  constexpr double kCell = 1e-4, kDeep = 8e-4, kCut = 3e-4, kRadius = 5e-4;  // m
+  Material soft = layer(500.0, 1.5, kInfinity, 1.0);
+  const auto solid = std::make_shared<Solid>(
+      MeshModel(test::boxMesh({3e-3, 3e-3, 2e-3})),
+      std::vector<SolidLayer>{{"caries", soft, 1e8, 0.0, nullptr}, {"dentine", Material{}, 6e8, kDeep, nullptr}},
+      SolidOptions{kCell});
+  Bench::Setting setting;
+  setting.device = "tau-nominal.toml";
+  setting.obstacle.name = "tooth";
+  setting.obstacle.shape = std::shared_ptr<const Solid>(solid);
+  setting.obstacle.pose.position = {0.0, 0.0, -2e-3};
+  setting.start = {0.0, 0.0, 5e-5};
+  setting.tool.parts[0] = {{0.0, 0.0, kRadius}, {0.0, 0.0, kRadius}, kRadius};
+  for (const double removed : {0.0, kCut}) {
+    if (removed > 0.0) {  // a groove of a larger ball, whose lowest line is `removed` deep
+      const double bur = 2e-3, high = 2e-3 - removed + bur;
+      Segment from{{-5e-3, 0.0, high}, {-5e-3, 0.0, high}};
+      for (double x = -4.9e-3; x < 5e-3; x += 1e-4) {
+        const Segment to{{x, 0.0, high}, {x, 0.0, high}};
+        (void)solid->cut(from, to, bur);
+        from = to;
+      }
+      setting.start.z() -= removed;
+    }
+    Bench bench(setting);
+    double depth = 0.0, force = 0.0;
+    for (int i = 0; i < 900; ++i) {
+      REQUIRE(bench.press(4.0));
+      if (i < 700) continue;
+      depth -= (bench.tool().position.z() + removed) / 200.0;
+      force += bench.force() / 200.0;
+    }
+    const Contact& contact = bench.haptics->frame().contacts.contacts[0];
+    INFO("removed " << removed << " m, thickness " << contact.material.thickness << " m");
+    CHECK(contact.material.thickness == Approx(kDeep - removed).margin(0.51 * kCell));
+    Material here = soft;
+    here.thickness = contact.material.thickness;
+    CHECK(force == Approx(4.0).epsilon(0.01));
+    // The surface of the groove is known within a twentieth of a cell.
+    CHECK(elasticForce(here, depth + 5e-6) >= 0.99 * force);
+    CHECK(elasticForce(here, depth - 5e-6) <= 1.01 * force);
+  }
+  // A thinner layer in the file remains so thin.
+  soft.thickness = 2e-4;  // less than the layer
+  const auto thin = std::make_shared<Solid>(
+      MeshModel(test::boxMesh({3e-3, 3e-3, 2e-3})),
+      std::vector<SolidLayer>{{"biofilm", soft, 1e8, 0.0, nullptr}, {"dentine", Material{}, 6e8, kDeep, nullptr}},
+      SolidOptions{kCell});
+  setting.obstacle.shape = std::shared_ptr<const Solid>(thin);
+  setting.start.z() = 5e-5;
+  Bench bench(setting);
+  for (int i = 0; i < 300; ++i) REQUIRE(bench.press(4.0));
+  CHECK(bench.haptics->frame().contacts.contacts[0].material.thickness == 2e-4);
 }
 
 TEST_CASE("compliance: a saved state continues bit for bit, also in a broken layer", "[compliance]") {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "enamel/collision/scene.hpp"
@@ -9,8 +10,21 @@
 namespace enamel {
 namespace {
 
-constexpr double kUnit = 1e-3;  // m: Material::stiffness is that at this depth
-constexpr int kMostSteps = 80;  // of the search for a compression; about 6 are usual, halvings need 60 at most
+constexpr double kUnit = 1e-3;   // m: Material::stiffness is that at this depth
+constexpr int kMostSteps = 80;   // of the search for a compression; about 6 are usual, halvings need 60 at most
+constexpr int kMostCells = 100;  // of a layer of a solid: its thickness is sought no farther
+
+// Return how thick the layer of a solid is below the surface at a contact, m; infinite: its end was not found.
+double thicknessAt(const Obstacle& obstacle, const Solid& solid, const Contact& contact) noexcept {
+  const Mat3 axes = obstacle.pose.rotation.transpose();
+  const Vec3 down = -(axes * contact.normal),
+             surface = axes * (contact.point - contact.gap * contact.normal - obstacle.pose.position);
+  const auto layerAt = [&](double cells) { return solid.layerAt(surface + cells * solid.cell() * down); };
+  const int layer = layerAt(0.5);
+  for (int i = 1; i < kMostCells; ++i)
+    if (layerAt(0.5 + i) != layer) return i * solid.cell();
+  return std::numeric_limits<double>::infinity();
+}
 
 }  // namespace
 
@@ -63,12 +77,15 @@ ComplianceMemory::ComplianceMemory(const Scene& scene) {
   }
 }
 
-void ComplianceMemory::enter(const Scene&, ContactSnapshot& contacts) noexcept {
+void ComplianceMemory::enter(const Scene& scene, ContactSnapshot& contacts) noexcept {
   if (!isAny_) return;
   bool isMoved = false;
   for (int i = 0; i < contacts.count; ++i) {
     Contact& c = contacts.contacts[static_cast<std::size_t>(i)];
     if (!c.material.isLayer()) continue;
+    const Obstacle& obstacle = scene.obstacles()[static_cast<std::size_t>(c.obstacle)];
+    if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape))
+      c.material.thickness = std::min(c.material.thickness, thicknessAt(obstacle, **solid, c));
     c.compression = std::max(0.0, -c.gap);
     for (const Pressed& last : last_) {
       if (last.obstacle != c.obstacle || last.part != c.part) continue;

@@ -4,6 +4,8 @@
 // A compliant material is in series with the wall of a renderer. Both carry the same force, and their ways add up. The
 // force never falls if the compression grows. So the series is never stiffer than the renderer's rigid wall, however
 // stiff the material is.
+//
+// With several contacts each has its own material: two of them carry twice the force at the same compression.
 #pragma once
 
 #include <array>
@@ -46,7 +48,8 @@ class ComplianceMemory {
   /// Realtime: no.
   explicit ComplianceMemory(const Scene& scene);
 
-  /// Enter compressions and punctures into the contacts of a new sample. Realtime: yes.
+  /// Enter compressions and punctures into the contacts of a new sample. A layer of a solid is at most as thick as its
+  /// material is now below the contact, in whole cells. Realtime: yes.
   void enter(const Scene& scene, ContactSnapshot& contacts) noexcept;
 
   /// Store how the renderer's forces compress the materials, and pierce the layers that break. Realtime: yes.
