@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "enamel/collision/scene_file.hpp"
+#include "plugin/convert.hpp"
 #include "support/bench.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
@@ -51,6 +52,26 @@ Material anyLayer(test::Random& random) {
                random.uniform(0.0, 1.0) < 0.3 ? 0.0 : any(-2, 2));
 }
 
+// A renderer that sees the contacts as a plugin does.
+class AsPlugin final : public Renderer {
+ public:
+  explicit AsPlugin(Renderer& inner) : inner_(inner) {}
+
+ private:
+  void prepare(double period) override { inner_.activate(period); }
+  Status render(const TickFrame& frame, TickOutput& output) noexcept override {
+    EnamelTickInput plain{};
+    toPlain(frame, plain);
+    TickFrame seen;
+    fromPlain(plain, false, seen);
+    return inner_.step(seen, output);
+  }
+  void resetState() noexcept override { inner_.reset(); }
+  StateBlock stateBlock() noexcept override { return {nullptr, 0}; }
+
+  Renderer& inner_;
+};
+
 }  // namespace
 
 TEST_CASE("compliance: the stiffness of a material is that at 1 mm", "[compliance]") {
@@ -64,6 +85,7 @@ TEST_CASE("compliance: the stiffness of a material is that at 1 mm", "[complianc
   const Material damped = layer(700.0, 1.0, kInfinity, 3.0);
   CHECK(forceOf(damped, 1e-3, 0.9e-3, kTick).force == Approx(0.7 * 1.3).epsilon(1e-12));
   CHECK(forceOf(damped, 1e-3, 1.5e-3, kTick).force == 0.0);
+  CHECK(forceOf(damped, 1e-3, kNotCompressed, kTick).force == forceOf(damped, 1e-3, 1e-3, kTick).force);
 }
 
 TEST_CASE("compliance: the force rises, and its slope is the derivative", "[compliance]") {
@@ -164,6 +186,28 @@ TEST_CASE("compliance: the force at a depth is that of the law within 1 %", "[co
           CHECK(force == Approx(5.0).epsilon(0.01));
           CHECK(elasticForce(m, depth - (spring ? force / 1500.0 : 0.0)) == Approx(force).epsilon(0.01));
         }
+}
+
+TEST_CASE("compliance: a plugin sees the stiffness that the layer has under its force", "[compliance]") {
+  for (const double stiffness : {500.0, 2e3, 1e5})
+    for (const double exponent : {1.0, 1.5, 3.0}) {
+      const Material m = layer(stiffness, exponent, 2e-3, 1.0);
+      Bench bench({"tau-nominal.toml", kClosedForm, block(m), 0, true});
+      ImpedanceRenderer spring({1500.0, 2.0});
+      AsPlugin plugin(spring);
+      plugin.activate(kTick);
+      bench.haptics->select(plugin);
+      double depth = 0.0, force = 0.0;
+      for (int i = 0; i < 1500; ++i) {
+        REQUIRE(bench.press(5.0));
+        if (i < 1300) continue;
+        depth += bench.depth() / 200.0;
+        force += bench.force() / 200.0;
+      }
+      INFO(stiffness << " N/m, exponent " << exponent);
+      CHECK(force == Approx(5.0).epsilon(0.01));
+      CHECK(elasticForce(m, depth - force / 1500.0) == Approx(force).epsilon(0.01));
+    }
 }
 
 TEST_CASE("compliance: two contacts share a load by the law", "[compliance]") {

@@ -174,8 +174,8 @@ void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOpti
   }
 }
 
-// Compare a tick at a rigid, fixed block with one at the same block on springs, as stiff as a tooth on its ligament,
-// and with one at a compliant layer.
+// Compare a tick at a rigid, fixed block with one at the same block on springs, as stiff as a tooth on its ligament.
+// Then compare it with one at a compliant layer.
 void addBlocks(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
                const std::vector<std::pair<const char*, Renderer*>>& renderers, std::vector<Measurement>& rows) {
   Obstacle block{"block", Box{{0.02, 0.02, 0.01}}, Pose{}, Vec6::Zero(), {}};

@@ -33,9 +33,9 @@ MaterialForce forceOf(const Material& m, double x, double before, double period)
   const double open = 1.0 - x / m.thickness;
   const double elastic = m.stiffness * x * (m.exponent == 1.0 ? 1.0 : std::pow(x / kUnit, m.exponent - 1.0)) / open;
   const double slope = elastic * (m.exponent / x + 1.0 / (m.thickness * open));
-  const double factor = 1.0 + m.hysteresis * (x - before) / period;
+  const double damping = before < kNotCompressed ? m.hysteresis / period : 0.0, factor = 1.0 + damping * (x - before);
   if (!(factor > 0.0)) return {0.0, 0.0};
-  return {elastic * factor, slope * factor + elastic * m.hysteresis / period};
+  return {elastic * factor, slope * factor + elastic * damping};
 }
 
 double compressionInSeries(const Material& m, double depth, double soft, double before, double period) noexcept {
@@ -86,7 +86,7 @@ void ComplianceMemory::enter(const Scene& scene, ContactSnapshot& contacts) noex
     const Obstacle& obstacle = scene.obstacles()[static_cast<std::size_t>(c.obstacle)];
     if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape))
       c.material.thickness = std::min(c.material.thickness, thicknessAt(obstacle, **solid, c));
-    c.compression = std::max(0.0, -c.gap);
+    c.compression = kNotCompressed;
     for (const Pressed& last : last_) {
       if (last.obstacle != c.obstacle || last.part != c.part) continue;
       c.isPunctured = c.isPunctured || (c.gap < 0.0 && last.isPunctured != 0.0 && std::isfinite(c.material.puncture));

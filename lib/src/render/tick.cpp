@@ -104,7 +104,9 @@ Status HapticTick::findContacts(double time, double elapsed) noexcept {
   if (status != Status::ok) return status;
   if (const double scale = mechanism_.scale(); scale != 1.0)  // materials are stated for forces at the hand
     for (int i = 0; i < frame_.contacts.count; ++i) {
-      scaleForces(frame_.contacts.contacts[i].material, 1.0 / scale);
+      frame_.contacts.contacts[i].material.stiffness /= scale;
+      frame_.contacts.contacts[i].material.viscosity /= scale;
+      frame_.contacts.contacts[i].material.puncture /= scale;
     }
   if (drill_ != nullptr) drill_->correct(frame_.contacts);
   scene_.motion().yieldAt(frame_.contacts, guard_.options().period, mechanism_.scale(), frame_.yield);

@@ -29,8 +29,9 @@ Status TickScene::findContacts(const Pose& pose, double time, double elapsed, Co
 
 void TickScene::takeOver(TickScene& old) noexcept {
   motion_.takeOver(old.motion_);
+  if (!isSame(tool_, old.tool_)) return;
+  track_.takeOver(old.track_, old.motion_.scene(), motion_.scene());
   compliance_.takeOver(old.compliance_, old.motion_.scene(), motion_.scene());
-  if (isSame(tool_, old.tool_)) track_.takeOver(old.track_, old.motion_.scene(), motion_.scene());
 }
 
 void TickScene::saveState(double* state) const noexcept {

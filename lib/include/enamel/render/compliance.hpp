@@ -20,6 +20,9 @@ class Scene;
 /// Largest compliance of a material, instead of infinity, m/N.
 inline constexpr double kSoftest = 1e12;
 
+/// Compression before a contact was known, m. The speed of the compression then counts as zero.
+inline constexpr double kNotCompressed = 1e9;
+
 /// Force of a material, N, and its derivative by the compression, N/m.
 struct MaterialForce {
   double force, slope;
