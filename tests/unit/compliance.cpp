@@ -379,7 +379,7 @@ TEST_CASE("compliance: an explorer sinks into the caries of caries.toml, not int
     }
     return height - bench.tool().position.z();
   };
-  CHECK(sinks(file.scene.obstacles()[0]) > 5e-4);
+  CHECK(sinks(file.scene.obstacles()[0]) > 3e-4);  // 0.4 mm by the law of one contact 1.3 mm above sound tissue
   CHECK(std::abs(sinks(sound.scene.obstacles()[0])) < 2e-5);
 }
 
