@@ -188,6 +188,38 @@ TEST_CASE("compliance: the force at a depth is that of the law within 1 %", "[co
         }
 }
 
+TEST_CASE("compliance: a shallow valley is as stiff as a plane", "[compliance]") {
+  // Two faces that rise by 1 : 5. A ball in the valley has a contact with each; without sharing it would be twice as
+  // stiff. With it, the vertical force is 2 cos a / (1 + cos 2a) F(x cos a) = F(x cos a) / cos a, for a = 11 deg.
+  const double a = 0.02, deep = 0.01;  // m
+  TriangleMesh valley;
+  for (const double y : {-a, a}) {
+    valley.vertices.insert(valley.vertices.end(), {{-a, y, 0.2 * a}, {0.0, y, 0.0}, {a, y, 0.2 * a}});
+    valley.vertices.insert(valley.vertices.end(), {{a, y, -deep}, {-a, y, -deep}});
+  }
+  valley.triangles = {{0, 1, 5}, {1, 6, 5}, {1, 2, 6}, {2, 7, 6}, {2, 3, 7}, {3, 8, 7}, {3, 4, 8}, {4, 9, 8},
+                      {4, 0, 9}, {0, 5, 9}, {0, 4, 1}, {1, 4, 3}, {1, 3, 2}, {5, 6, 9}, {6, 8, 9}, {6, 7, 8}};
+  for (const double exponent : {1.0, 1.5, 3.0}) {
+    const Material m = layer(2e3, exponent, 2e-3, 1.0);
+    Bench::Setting setting{"tau-nominal.toml", kClosedForm, block(m)};
+    setting.obstacle.shape = std::make_shared<const MeshModel>(valley);
+    setting.obstacle.pose.position.setZero();
+    setting.tool.parts[0] = {{0.0, 0.0, 1e-3}, {0.0, 0.0, 1e-3}, 1e-3};
+    Bench bench(setting);
+    double height = 0.0, force = 0.0;
+    for (int i = 0; i < 900; ++i) {
+      REQUIRE(bench.press(5.0));
+      if (i < 700) continue;
+      height += bench.tool().position.z() / 200.0;
+      force += bench.force() / 200.0;
+    }
+    CHECK(bench.haptics->frame().contacts.count == 2);
+    CHECK(force == Approx(5.0).epsilon(0.01));
+    const double touch = 1e-3 * (std::sqrt(1.04) - 1.0);  // height of the ball that touches both faces
+    CHECK(elasticForce(m, touch - height) == Approx(force).epsilon(0.05));
+  }
+}
+
 TEST_CASE("compliance: a plugin sees the stiffness that the layer has under its force", "[compliance]") {
   for (const double stiffness : {500.0, 2e3, 1e5})
     for (const double exponent : {1.0, 1.5, 3.0}) {

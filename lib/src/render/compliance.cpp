@@ -6,13 +6,14 @@
 #include <memory>
 
 #include "enamel/collision/scene.hpp"
+#include "enamel/collision/tool.hpp"
 
 namespace enamel {
 namespace {
 
-constexpr double kUnit = 1e-3;   // m: Material::stiffness is that at this depth
-constexpr int kMostSteps = 80;   // of the search for a compression; about 6 are usual, halvings need 60 at most
-constexpr int kMostCells = 100;  // of a layer of a solid: its thickness is sought no farther
+constexpr double kUnit = 1e-3;     // m: Material::stiffness is that at this depth
+constexpr int kMostHalvings = 80;  // of the search for a compression; about 6 are usual, halvings need 60 at most
+constexpr int kMostCells = 100;    // of a layer of a solid: its thickness is sought no farther
 
 // Return how thick the layer of a solid is below the surface at a contact, m; infinite: its end was not found.
 double thicknessAt(const Obstacle& obstacle, const Solid& solid, const Contact& contact) noexcept {
@@ -24,6 +25,19 @@ double thicknessAt(const Obstacle& obstacle, const Solid& solid, const Contact& 
   for (int i = 1; i < kMostCells; ++i)
     if (layerAt(0.5 + i) != layer) return i * solid.cell();
   return std::numeric_limits<double>::infinity();
+}
+
+// A ball that touches a rough surface has several contacts. Return how many of the contacts, as deep as this one and in
+// its direction, press on the same place of the layer.
+double contactsAt(const Contact& c, double reach, const ContactSnapshot& contacts) noexcept {
+  double sum = 1.0;
+  for (int i = 0; i < contacts.count; ++i) {
+    const Contact& other = contacts.contacts[static_cast<std::size_t>(i)];
+    if (&other == &c || other.obstacle != c.obstacle || other.part != c.part || !other.material.isLayer()) continue;
+    if (!(c.gap < 0.0 && other.gap < 0.0 && (other.point - c.point).norm() <= reach)) continue;
+    sum += std::max(0.0, c.normal.dot(other.normal)) * std::min(1.0, other.gap / c.gap);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -44,7 +58,7 @@ double compressionInSeries(const Material& m, double depth, double soft, double 
   const double open = kUnit * std::pow(depth / soft / (m.stiffness * kUnit), 1.0 / m.exponent);
   double low = 0.0, high = std::min({depth, m.thickness, std::max(before, open)});
   double x = high < m.thickness && high < open ? high : 1.0 / (1.0 / open + 1.0 / m.thickness);
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostHalvings; ++step) {
     x = x > low && x < high ? x : 0.5 * (low + high);
     const auto [force, slope] = forceOf(m, x, before, period);
     const double error = x + soft * force - depth;
@@ -77,12 +91,19 @@ ComplianceMemory::ComplianceMemory(const Scene& scene) {
   }
 }
 
-void ComplianceMemory::enter(const Scene& scene, ContactSnapshot& contacts) noexcept {
+void ComplianceMemory::enter(const Scene& scene, const Tool& tool, ContactSnapshot& contacts) noexcept {
   if (!isAny_) return;
+  std::array<double, kMaxContacts> sharing;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
+    const Contact& c = contacts.contacts[i];
+    constexpr double kRounding = 1e-9;  // m
+    sharing[i] = contactsAt(c, 2.0 * tool.parts[static_cast<std::size_t>(c.part)].radius + kRounding, contacts);
+  }
   bool isMoved = false;
   for (int i = 0; i < contacts.count; ++i) {
     Contact& c = contacts.contacts[static_cast<std::size_t>(i)];
     if (!c.material.isLayer()) continue;
+    c.material.stiffness /= sharing[static_cast<std::size_t>(i)];
     const Obstacle& obstacle = scene.obstacles()[static_cast<std::size_t>(c.obstacle)];
     if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape))
       c.material.thickness = std::min(c.material.thickness, thicknessAt(obstacle, **solid, c));
@@ -126,7 +147,14 @@ void ComplianceMemory::press(const TickOutput& output, double period, ContactSna
     if (c.compression < 0.0) continue;
     const double force = isDivided ? forces[i] : i == 0 ? output.normalForce : 0.0;
     c.compression = last_[i].compression = compressionUnder(c.material, force, c.compression, period);
-    if (force > c.material.puncture) last_[i].isPunctured = 1.0;
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
+    const Contact& c = contacts.contacts[i];
+    if (c.compression < 0.0) continue;
+    double whole = isDivided ? 0.0 : output.normalForce;  // of this part on this obstacle
+    for (std::size_t j = 0; isDivided && j < static_cast<std::size_t>(contacts.count); ++j)
+      if (last_[j].obstacle == last_[i].obstacle && last_[j].part == last_[i].part) whole += forces[j];
+    if (whole > c.material.puncture) last_[i].isPunctured = 1.0;
   }
 }
 

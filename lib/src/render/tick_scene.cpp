@@ -23,7 +23,7 @@ TickScene::TickScene(const Scene& scene, const Tool& tool)
 Status TickScene::findContacts(const Pose& pose, double time, double elapsed, ContactSnapshot& contacts) noexcept {
   const Scene& now = motion_.follow(*stated_, time, elapsed);
   const Status status = followContacts(now, tool_, pose, kContactMargin, track_, contacts);
-  compliance_.enter(now, contacts);
+  compliance_.enter(now, tool_, contacts);
   return status;
 }
 

@@ -5,7 +5,8 @@
 // force never falls if the compression grows. So the series is never stiffer than the renderer's rigid wall, however
 // stiff the material is.
 //
-// With several contacts each has its own material: two of them carry twice the force at the same compression.
+// Contacts of one part of the tool within its diameter share one layer, by their depths and by the cosine between their
+// normals. Others have a layer each.
 #pragma once
 
 #include <array>
@@ -16,6 +17,7 @@
 namespace enamel {
 
 class Scene;
+struct Tool;
 
 /// Largest compliance of a material, instead of infinity, m/N.
 inline constexpr double kSoftest = 1e12;
@@ -43,9 +45,9 @@ double softness(const Contact& contact, double depth, double soft, double period
 /// Return the compression, m, at which a material has a force, N. Realtime: yes.
 double compressionUnder(const Material& material, double force, double before, double period) noexcept;
 
-/// Compressions of the last tick, and layers that the tool has pierced. A layer breaks where its force exceeds
-/// Material::puncture. The part of the tool then meets only the ground below it, one thickness deeper and rigid, until
-/// the part has left the obstacle.
+/// Compressions of the last tick, and layers that the tool has pierced. A layer breaks where the sum of the forces of a
+/// part on an obstacle exceeds Material::puncture. The part of the tool then meets only the ground below it, one
+/// thickness deeper and rigid, until the part has left the obstacle.
 class ComplianceMemory {
  public:
   /// Realtime: no.
@@ -53,7 +55,7 @@ class ComplianceMemory {
 
   /// Enter compressions and punctures into the contacts of a new sample. A layer of a solid is at most as thick as its
   /// material is now below the contact, in whole cells. Realtime: yes.
-  void enter(const Scene& scene, ContactSnapshot& contacts) noexcept;
+  void enter(const Scene& scene, const Tool& tool, ContactSnapshot& contacts) noexcept;
 
   /// Store how the renderer's forces compress the materials, and pierce the layers that break. Realtime: yes.
   void press(const TickOutput& output, double period, ContactSnapshot& contacts) noexcept;
