@@ -191,7 +191,7 @@ TEST_CASE("compliance: the force at a depth is that of the law within 1 %", "[co
 TEST_CASE("compliance: a shallow valley is as stiff as a plane", "[compliance]") {
   // Two faces that rise by 1 : 5. A ball in the valley has a contact with each; without sharing it would be twice as
   // stiff. With it, the vertical force is 2 cos a / (1 + cos 2a) F(x cos a) = F(x cos a) / cos a, for a = 11 deg.
-  const double a = 0.02, deep = 0.01;  // m
+  constexpr double a = 0.02, deep = 0.01, kRadius = 3e-3;  // m
   TriangleMesh valley;
   for (const double y : {-a, a}) {
     valley.vertices.insert(valley.vertices.end(), {{-a, y, 0.2 * a}, {0.0, y, 0.0}, {a, y, 0.2 * a}});
@@ -204,7 +204,7 @@ TEST_CASE("compliance: a shallow valley is as stiff as a plane", "[compliance]")
     Bench::Setting setting{"tau-nominal.toml", kClosedForm, block(m)};
     setting.obstacle.shape = std::make_shared<const MeshModel>(valley);
     setting.obstacle.pose.position.setZero();
-    setting.tool.parts[0] = {{0.0, 0.0, 1e-3}, {0.0, 0.0, 1e-3}, 1e-3};
+    setting.tool.parts[0] = {{0.0, 0.0, kRadius}, {0.0, 0.0, kRadius}, kRadius};
     Bench bench(setting);
     double height = 0.0, force = 0.0;
     for (int i = 0; i < 900; ++i) {
@@ -215,8 +215,9 @@ TEST_CASE("compliance: a shallow valley is as stiff as a plane", "[compliance]")
     }
     CHECK(bench.haptics->frame().contacts.count == 2);
     CHECK(force == Approx(5.0).epsilon(0.01));
-    const double touch = 1e-3 * (std::sqrt(1.04) - 1.0);  // height of the ball that touches both faces
-    CHECK(elasticForce(m, touch - height) == Approx(force).epsilon(0.05));
+    const double touch = kRadius * (std::sqrt(1.04) - 1.0);  // height of the ball that touches both faces
+    const double cosine = 1.0 / std::sqrt(1.04);
+    CHECK(elasticForce(m, (touch - height) * cosine) / cosine == Approx(force).epsilon(0.01));
   }
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kRetreat = 50.0;  // 1 / kRetreat^2: how far contradicting walls give way to force
 constexpr int kMostTangents = 8;
-constexpr double kTolerance = 1e-9;          // of the depth: error of a contact with a compliant material
+constexpr double kTolerance = 1e-6;          // of the depth: error of a contact with a compliant material
 constexpr double kLeastCompression = 1e-12;  // m, at which a law of a high exponent has a tangent
 constexpr double kFades = 0.1;               // share of the speed along a wall at which a vanished wall retreats
 
@@ -185,8 +185,7 @@ void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wa
     force[0] = std::max(0.0, -targets[0].gap) / (targets[0].size * targets[0].size * (1.0 + targets[0].compliance));
     return;
   }
-  solveWalls(frame, modes, walls, targets, count, force);
-  // The compliances are exact for contacts that do not share the load. Newton's method finds the others.
+  // Newton's method for compliant layers, from their compressions at the last tick.
   for (int step = 0; step < kMostTangents; ++step) {
     double error = 0.0;
     for (int i = 0; i < count; ++i) {
@@ -195,17 +194,22 @@ void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wa
       const Contact& contact = frame.contacts.contacts[static_cast<int>(walls[t.wall].contact)];
       const Material& m = contact.material;
       const double square = t.size * t.size, before = contact.compression;
-      double x = t.offset + force[i] * square * (t.compliance - t.apart);
+      double x = before;
+      if (step > 0)
+        x = t.offset + force[i] * square * (t.compliance - t.apart);
+      else if (!(before < kNotCompressed))
+        x = -t.gap * (t.compliance - t.apart) / (1.0 + t.compliance);  // as if it were alone
       if (x >= m.thickness) x = compressionUnder(m, force[i], before, modes.period);
       x = std::max(kLeastCompression, x);
       const auto [now, slope] = forceOf(m, x, before, modes.period);
-      error = std::max(error, square * std::abs(now - force[i]) + t.gap * kTolerance);
+      error = std::max(error, step > 0 ? square * std::abs(now - force[i]) + t.gap * kTolerance : 1.0);
       const double soft = std::min(kSoftest, 1.0 / slope);
       t.compliance = t.apart + soft / square;
       t.offset = x - now * soft;
     }
-    if (!(error > 0.0)) return;
+    if (step > 0 && !(error > 0.0)) return;
     solveWalls(frame, modes, walls, targets, count, force);
+    if (!(error > 0.0)) return;
   }
 }
 
