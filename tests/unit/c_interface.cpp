@@ -384,7 +384,7 @@ TEST_CASE("a solid is cut, and its changed bricks come as triangles", "[c]") {
   const TriangleMesh box = test::boxMesh(Vec3::Constant(4e-3));
   for (const Vec3& v : box.vertices) vertices.insert(vertices.end(), v.data(), v.data() + 3);
   for (const auto& t : box.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
-  const EnamelLayer layer{{std::numeric_limits<double>::infinity(), 0.0, 0.0, 0.0}, 0.2e9, 0.0};
+  const EnamelLayer layer{{std::numeric_limits<double>::infinity(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 0.2e9, 0.0};
   EnamelObstacleDef cube = obstacle("cube", ENAMEL_SOLID, 0.0);
   cube.vertices = vertices.data();
   cube.vertex_count = box.vertices.size();
