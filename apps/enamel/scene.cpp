@@ -42,7 +42,13 @@ std::string count(int number, const char* what) { return fmt::format("{} {}{}", 
 std::string materialText(const Material& m) {
   std::string text = std::isinf(m.stiffness) ? "rigid" : fmt::format("{:.4g} N/m", m.stiffness);
   text += m.friction > 0.0 ? fmt::format(", friction {:.3g}", m.friction) : ", without friction";
-  return m.viscosity > 0.0 ? text + fmt::format(", {:.3g} N s/m", m.viscosity) : text;
+  if (m.viscosity > 0.0) text += fmt::format(", {:.3g} N s/m", m.viscosity);
+  if (!m.isLayer()) return text;
+  if (m.exponent != 1.0) text += fmt::format(", exponent {:.3g} (the stiffness is that at 1 mm)", m.exponent);
+  if (std::isfinite(m.thickness)) text += fmt::format(", layer of {:.3g} mm", 1e3 * m.thickness);
+  if (m.hysteresis > 0.0) text += fmt::format(", hysteresis {:.3g} s/m", m.hysteresis);
+  if (std::isfinite(m.puncture)) text += fmt::format(", breaks at {:.3g} N", m.puncture);
+  return text;
 }
 
 // The axes along and about which an obstacle moves.
@@ -98,8 +104,12 @@ void run(const SceneOptions& options) {
   for (const Obstacle& obstacle : file.scene.obstacles()) {
     fmt::print("{:<12} {}\n", obstacle.name,
                std::visit([](const auto& shape) { return whatIs(shape); }, obstacle.shape));
-    if (!std::holds_alternative<std::shared_ptr<const Solid>>(obstacle.shape))
+    if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) {
+      for (const SolidLayer& layer : (*solid)->layers())
+        fmt::print("{:<12} {}: {}\n", "", layer.name, materialText(layer.material));
+    } else {
       fmt::print("{:<12} {}\n", "", materialText(obstacle.material));
+    }
     if (obstacle.suspension) fmt::print("{:<12} {}\n", "", suspensionText(*obstacle.suspension));
   }
   if (file.bur) fmt::print("{:<12} part {} of the tool cuts\n", "bur", file.bur->part);

@@ -128,6 +128,10 @@ namespace Enamel
         public double friction;
         public double sliding_friction;
         public double viscosity;
+        public double exponent;
+        public double thickness;
+        public double hysteresis;
+        public double puncture;
     }
 
     [StructLayout(LayoutKind.Sequential)]

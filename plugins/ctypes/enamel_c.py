@@ -266,6 +266,10 @@ class EnamelMaterial(Structure):
         ("friction", c_double),
         ("sliding_friction", c_double),
         ("viscosity", c_double),
+        ("exponent", c_double),
+        ("thickness", c_double),
+        ("hysteresis", c_double),
+        ("puncture", c_double),
     ]
 
 
@@ -557,9 +561,12 @@ def pose(position=(0.0, 0.0, 0.0), rotation=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 
     return EnamelPose(_array(c_double, position), _array(c_double, rotation))
 
 
-def material(stiffness=float("inf"), friction=0.0, sliding_friction=None, viscosity=0.0):
-    """Return a material: N/m, friction at rest, friction while sliding (default: the same), N s/m."""
-    return EnamelMaterial(stiffness, friction, friction if sliding_friction is None else sliding_friction, viscosity)
+def material(stiffness=float("inf"), friction=0.0, sliding_friction=None, viscosity=0.0, exponent=1.0, thickness=0.0,
+             hysteresis=0.0, puncture=0.0):
+    """Return a material: N/m, friction at rest, friction while sliding (default: the same), N s/m. Of a compliant layer
+    also the exponent of force over depth, its thickness (m; 0: none), s/m, and the force that breaks it (N; 0: none)."""
+    return EnamelMaterial(stiffness, friction, friction if sliding_friction is None else sliding_friction, viscosity,
+                          exponent, thickness, hysteresis, puncture)
 
 
 def bur(part=0, wear=0.05, turns=2000.0):

@@ -79,6 +79,12 @@ int addObstacle(SceneFile& file, const std::string& name, Shape shape, const Pos
   return file.scene.add(std::move(obstacle));
 }
 
+const Obstacle& obstacleAt(const SceneFile& file, int obstacle) {
+  const auto slot = static_cast<std::size_t>(obstacle);
+  if (slot >= file.scene.obstacles().size()) throw Error("the scene has no obstacle " + std::to_string(obstacle));
+  return file.scene.obstacles()[slot];
+}
+
 struct MeshOptions {
   Array position = Array(3, Vec3(Vec3::Zero()).data());
   std::optional<Array> rotation;
@@ -168,13 +174,29 @@ void addObstacles(SceneClass& scene) {
           "Add a box about `centre` with edges of `size`, m, and return its number. Raises Error if a size is not "
           "positive.")
       .def(
+          "soften",
+          [](SceneFile& self, int obstacle, double stiffness, double exponent, double thickness, double hysteresis,
+             double puncture) {
+            Obstacle soft = obstacleAt(self, obstacle);
+            if (std::holds_alternative<std::shared_ptr<const Solid>>(soft.shape))
+              throw Error("obstacle \"" + soft.name + "\": a solid has the materials of its layers");
+            soft.material.stiffness = stiffness;
+            soft.material.exponent = exponent;
+            soft.material.thickness = thickness;
+            soft.material.hysteresis = hysteresis;
+            soft.material.puncture = puncture;
+            self.scene.replace(obstacle, std::move(soft));
+          },
+          py::arg("obstacle"), py::arg("stiffness"), py::arg("exponent") = 1.0, py::arg("thickness") = rigid,
+          py::arg("hysteresis") = 0.0, py::arg("puncture") = rigid,
+          "Make the surface of an obstacle a compliant layer. At a depth of x m it pushes with stiffness x (x / 1 "
+          "mm)^(exponent - 1) / (1 - x / thickness), times 1 + hysteresis x' while x grows by x' m/s. A force of "
+          "`puncture` N breaks it. Raises Error if a number is not valid.")
+      .def(
           "suspend",
           [](SceneFile& self, int obstacle, const Array& inertia, const Array& stiffness, const Array& damping,
              const Array& centre) {
-            const auto slot = static_cast<std::size_t>(obstacle);
-            if (slot >= self.scene.obstacles().size())
-              throw Error("the scene has no obstacle " + std::to_string(obstacle));
-            Obstacle movable = self.scene.obstacles()[slot];
+            Obstacle movable = obstacleAt(self, obstacle);
             movable.suspension = std::make_shared<const Suspension>(Suspension{
                 vec3(centre, "centre", "m"), vec6(inertia, "inertia", "kg and kg m^2"),
                 vec6(stiffness, "stiffness", "N/m and N m/rad"), vec6(damping, "damping", "N s/m and N m s/rad")});

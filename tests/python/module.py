@@ -114,6 +114,11 @@ class Scenes(unittest.TestCase):
             scene.suspend(box, (-1, 1, 1, 0, 0, 0))
         with self.assertRaisesRegex(enamel.Error, "no obstacle 7"):
             scene.suspend(7, (1, 1, 1, 0, 0, 0))
+        scene.soften(ball, 1500.0, exponent=1.5, thickness=2e-3, hysteresis=1.0, puncture=3.0)
+        with self.assertRaisesRegex(enamel.Error, "an exponent in 1 to 10"):
+            scene.soften(ball, 1500.0, exponent=0.5)
+        with self.assertRaisesRegex(enamel.Error, "a puncture force needs a thickness"):
+            scene.soften(ball, 1500.0, puncture=3.0)
         with self.assertRaisesRegex(enamel.Error, "ball"):
             scene.add_sphere("ball", (0, 0, 1), 0.25)
         with self.assertRaisesRegex(enamel.Error, "is not a mesh"):

@@ -29,13 +29,20 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
   };
   const TauMechanism device(test::nominal());
   const Scene wall = flatWall();
-  Scene movable;  // on springs
+  Scene movable;  // on springs, with a layer that breaks; the tool touches it twice
   Suspension suspension;
   suspension.inertia.fill(2e-3);
   suspension.stiffness.fill(5e4);
   Obstacle block = wall.obstacles()[0];
   block.suspension = std::make_shared<const Suspension>(suspension);
+  block.material.stiffness = 5e4;
+  block.material.exponent = 1.5;
+  block.material.thickness = 1e-3;
+  block.material.hysteresis = 1.0;
+  block.material.puncture = 2.0;
   movable.add(block);
+  Tool lying;
+  lying.parts[0] = {{-2e-3, 0.0, 0.0}, {2e-3, 0.0, 0.0}, 0.0};
   HoldRenderer hold = test::holdRenderer();
   ImpedanceRenderer spring({6000.0, 0.0});
   PassivityRenderer passive(std::make_unique<ImpedanceRenderer>(ImpedanceOptions{6000.0, 0.0}));
@@ -51,7 +58,8 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
        {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring),
         static_cast<Renderer*>(&passive), static_cast<Renderer*>(&remembering), static_cast<Renderer*>(&coupling),
         static_cast<Renderer*>(&foreseeing), static_cast<Renderer*>(&heavy)}) {
-    HapticTick tick(device, renderer == &servo || renderer == &spring ? movable : wall, Tool(), *renderer, 1e-3);
+    const bool atMovable = renderer == &servo || renderer == &spring;
+    HapticTick tick(device, atMovable ? movable : wall, atMovable ? lying : Tool(), *renderer, 1e-3);
     Encoders encoders({true, RateSource::lowPass, 100.0}, device.limits().encoderStep, 1e-3);
     const RandomStream stream(1, 0);
     Motors motors({0, 3}, JointVector::Zero(6));

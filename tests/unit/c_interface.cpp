@@ -343,6 +343,18 @@ TEST_CASE("errors have the reason of the library, and change nothing", "[c]") {
   ball.triangles = corners;
   ball.triangle_count = 1;
   CHECK(enamel_add(session, &ball, &second) == ENAMEL_FAILED);
+  EnamelMaterial gum{1500.0, 0.1, 0.1, 0.0, 1.5, 2e-3, 1.0, 3.0};
+  CHECK(enamel_set_material(session, first, &gum) == ENAMEL_OK);
+  gum.exponent = 11.0;
+  CHECK(enamel_set_material(session, first, &gum) == ENAMEL_FAILED);
+  CHECK_THAT(session.message(), ContainsSubstring("an exponent in 1 to 10"));
+  gum.exponent = gum.thickness = 0.0;  // linear, without ground
+  CHECK(enamel_set_material(session, first, &gum) == ENAMEL_FAILED);
+  CHECK_THAT(session.message(), ContainsSubstring("a puncture force needs a thickness"));
+  gum.puncture = 0.0;  // never
+  CHECK(enamel_set_material(session, first, &gum) == ENAMEL_OK);
+  gum.hysteresis = -1.0;
+  CHECK(enamel_set_material(session, first, &gum) == ENAMEL_FAILED);
   EnamelPose away{{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   CHECK(enamel_move(session, first, &away, nullptr) == ENAMEL_FAILED);
   REQUIRE(enamel_remove(session, first) == ENAMEL_OK);
@@ -372,7 +384,7 @@ TEST_CASE("a solid is cut, and its changed bricks come as triangles", "[c]") {
   const TriangleMesh box = test::boxMesh(Vec3::Constant(4e-3));
   for (const Vec3& v : box.vertices) vertices.insert(vertices.end(), v.data(), v.data() + 3);
   for (const auto& t : box.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
-  const EnamelLayer layer{{std::numeric_limits<double>::infinity(), 0.0, 0.0, 0.0}, 0.2e9, 0.0};
+  const EnamelLayer layer{{std::numeric_limits<double>::infinity(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 0.2e9, 0.0};
   EnamelObstacleDef cube = obstacle("cube", ENAMEL_SOLID, 0.0);
   cube.vertices = vertices.data();
   cube.vertex_count = box.vertices.size();

@@ -56,6 +56,12 @@ TEST_CASE("a scene says what it is made of and what a tick of it costs, a broken
   const test::CommandResult mobile = test::run("scene " + scenes + "mobile-molar.toml");
   CHECK_THAT(mobile.output, ContainsSubstring("moves along x 0.002 kg, 98000 N/m (1114 Hz); along y"));
   CHECK_THAT(mobile.output, ContainsSubstring("moves along x 5.2e-05 kg, loose; along y 5.2e-05 kg, loose; about z"));
+  const test::CommandResult caries = test::run("scene " + scenes + "caries.toml");
+  CHECK_THAT(caries.output, ContainsSubstring("enamel: rigid, friction 0.1\n"));
+  CHECK_THAT(caries.output,
+             ContainsSubstring("caries: 4000 N/m, friction 0.3, exponent 1.5 (the stiffness is that at 1 "
+                               "mm), hysteresis 2 s/m\n"));
+  CHECK_THAT(caries.output, ContainsSubstring("layer of 1.7 mm, hysteresis 2 s/m, breaks at 3 N\n"));
   const test::CommandResult none = test::run("scene " + (folder / "none.toml"));
   CHECK(none.status == 1);
   CHECK_THAT(none.output, ContainsSubstring("none.toml") && ContainsSubstring("obstacle"));

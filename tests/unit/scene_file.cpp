@@ -214,6 +214,49 @@ TEST_CASE("scene files: a suspension is read", "[scene]") {
   CHECK_THROWS_WITH(with(mass + "mass = 1\n"), test::ContainsSubstring("suspension.mass: is not a known key"));
 }
 
+TEST_CASE("scene files: a compliant layer is read", "[scene]") {
+  const auto with = [](const std::string& keys) {
+    return parseScene(
+        "name = \"a\"\nstart = [0, 0, 0.1]\n[[obstacle]]\nname = \"gum\"\nshape = \"sphere\"\n"
+        "centre = [0, 0, 0]\nradius = 0.01\n" +
+            keys,
+        "s.toml");
+  };
+  const SceneFile file =
+      with("stiffness = 1500\nexponent = 1.5\nlayer_thickness = 0.002\nhysteresis = 0.8\npuncture_force = 2.5\n");
+  const Material& gum = file.scene.obstacles()[0].material;
+  CHECK((gum.stiffness == 1500.0 && gum.exponent == 1.5 && gum.thickness == 0.002));
+  CHECK((gum.hysteresis == 0.8 && gum.puncture == 2.5 && gum.isLayer()));
+  const Material& linear = with("stiffness = 1500\n").scene.obstacles()[0].material;
+  CHECK((!linear.isLayer() && std::isinf(linear.thickness) && std::isinf(linear.puncture)));
+  const std::string soft = "stiffness = 1500\n";
+  for (const auto& [keys, problem] :
+       {std::pair(soft + "exponent = 0.5\n", "s.toml:9: obstacle[0].exponent: is 0.5, must be in 1 to 10"),
+        {soft + "layer_thickness = 2.0\n", "s.toml:9: obstacle[0].layer_thickness: is 2, must be in 1e-05 to 0.1 m"},
+        {soft + "hysteresis = -1\n", "s.toml:9: obstacle[0].hysteresis: is -1, must be in 0 to 100 s/m"},
+        {soft + "layer_thickness = 0.002\npuncture_force = 0\n",
+         "s.toml:10: obstacle[0].puncture_force: is 0, must be in 0.001 to 1000 N"},
+        {soft + "puncture_force = 2\n",
+         "s.toml:9: obstacle[0].puncture_force: needs \"layer_thickness\": the depth at which the tool meets the "
+         "ground"},
+        {std::string("hysteresis = 1\n"),
+         "s.toml:8: obstacle[0].hysteresis: needs a finite \"stiffness\", but the material is rigid"}})
+    CHECK_THROWS_WITH(with(keys), problem);
+  // The same from programs, without a file.
+  Scene scene;
+  Obstacle ball{"ball", Sphere{0.01}, Pose{}, Vec6::Zero(), {}};
+  ball.material.hysteresis = 1.0;
+  CHECK_THROWS_WITH(scene.add(ball), test::ContainsSubstring("needs a finite stiffness"));
+  ball.material.stiffness = 1500.0;
+  ball.material.puncture = 2.0;
+  CHECK_THROWS_WITH(scene.add(ball), test::ContainsSubstring("a puncture force needs a thickness"));
+  ball.material.thickness = 2e-3;
+  ball.material.exponent = 11.0;
+  CHECK_THROWS_WITH(scene.add(ball), test::ContainsSubstring("an exponent in 1 to 10"));
+  ball.material.exponent = 1.5;
+  CHECK(scene.add(ball) == 0);
+}
+
 TEST_CASE("scene files: what is refused, and how", "[scene]") {
   requireRefused("name = \"test\"\n", "", "scene.toml:1: name: is missing");
   requireRefused("name = \"test\"", "platform = {}",

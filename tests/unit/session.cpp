@@ -224,12 +224,20 @@ TEST_CASE("with a scale, force at the hand and motion of the device are the same
     SessionObstacle wall;
     static_cast<Obstacle&>(wall) = halfSpace("wall", map.base.position, normal);
     (void)other.session.add(wall);
-    const bool soft = GENERATE(false, true);
-    if (soft) {
+    const int soft = GENERATE(0, 1, 2);  // rigid, linear, a layer
+    if (soft > 0) {
       Material material;
       material.stiffness = 3000.0;
+      if (soft == 2) {
+        material.exponent = 2.0;
+        material.thickness = 2e-3;
+        material.hysteresis = 2.0;
+        material.puncture = 30.0;
+      }
       one.session.setMaterial(one.session.find("wall"), material);
-      material.stiffness = 3000.0 / scale;  // the force at the hand per distance in the scene
+      material.stiffness /= std::pow(scale, material.exponent);  // the force at the hand per distance in the scene
+      material.thickness *= scale;
+      material.hysteresis /= scale;
       other.session.setMaterial(other.session.find("wall"), material);
     }
     double furthest = 0.0, strongest = 0.0;

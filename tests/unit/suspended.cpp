@@ -11,20 +11,14 @@
 #include <vector>
 
 #include "enamel/collision/scene_file.hpp"
-#include "enamel/device/device_file.hpp"
-#include "enamel/render/impedance.hpp"
-#include "enamel/render/position_control.hpp"
-#include "enamel/runtime/haptic_loop.hpp"
-#include "enamel/sim/hand.hpp"
-#include "enamel/sim/plant_maker.hpp"
+#include "support/bench.hpp"
 #include "support/catch.hpp"
-#include "support/devices.hpp"
 
 namespace enamel::test_suspended {
 
 namespace {
 
-constexpr double kTick = 1e-3;  // s
+using test::Bench, test::kTick;
 
 Vec6 both(double linear, double angular) {
   Vec6 v;
@@ -65,73 +59,6 @@ Suspension loose(double mass, double damping = 0.0) {
   s.damping = both(damping, 0.0);
   return s;
 }
-
-// A device, its loop, and a block under the tool.
-struct Bench {
-  struct Setting {
-    std::string device = "cartesian-3.toml", plant = kClosedForm;
-    Obstacle obstacle;
-    int delay = 0;
-    bool spring = false;  // the impedance renderer
-    bool encoders = false;
-    Vec3 start{0.0, 0.0, 2e-3};
-    Tool tool = {};
-  };
-
-  explicit Bench(const Setting& s) {
-    const DeviceParameters device = loadDevice(test::deviceFile(s.device));
-    mechanism = makeMechanism(modelFor(s.plant, device));
-    setup.start.position = s.start;
-    if (s.encoders) setup.encoders = {true, RateSource::lowPass};
-    setup.delay = {s.delay, s.delay};
-    const MakePlant plant = plantMaker(s.plant, device, {}, setup);
-    virtualDevice =
-        plant ? std::make_unique<VirtualDevice>(plant(0), setup) : std::make_unique<VirtualDevice>(*mechanism, setup);
-    if (s.spring)
-      renderer = std::make_unique<ImpedanceRenderer>(ImpedanceOptions{1500.0, 2.0});
-    else
-      renderer = std::make_unique<PositionControlRenderer>(positionControlFor(*mechanism, kTick, s.delay, s.delay));
-    scene.add(s.obstacle);
-    haptics = std::make_unique<HapticTick>(*mechanism, scene, s.tool, *renderer, kTick, setup.start);
-    loop = std::make_unique<LoopBody>(*virtualDevice, *haptics, HapticLoopOptions{});
-  }
-
-  // Run a tick under the hand's force, N.
-  bool step(const std::function<Vec3(double time, const Pose& pose, const Vec6& twist)>& hand) {
-    loop->step();
-    return virtualDevice->advance([&](double time, const Pose& pose, const Vec6& twist) {
-      Vec6 wrench = Vec6::Zero();
-      wrench.head<3>() = hand(time, pose, twist);
-      wrench.tail<3>() = holdingMoment(pose.rotation, setup.start.rotation, twist.tail<3>());
-      return wrench;
-    }) == Status::ok;
-  }
-  bool press(double force) {
-    return step([&](double time, const Pose& pose, const Vec6& twist) {
-      Vec3 f = guidingWrench(pose, twist, setup.start, Vec3::UnitZ()).head<3>();
-      f.z() -= (time < 0.05 ? 0.3 : force) + 3.0 * twist[2];
-      return f;
-    });
-  }
-  const SuspendedState& state() const { return *haptics->scene().motion().suspended(0); }
-  const DeviceState& tool() const { return virtualDevice->state(); }
-  double force() const {  // of the command on the tool, along z
-    const Kinematics& k = haptics->frame().kinematics;
-    return wrenchOf(k, haptics->frame().command - k.gravity).z();
-  }
-  // Depth of the tool in the block, m.
-  double depth() const {
-    return haptics->scene().scene().obstacles()[0].pose.position.z() + 0.01 - tool().position.z();
-  }
-
-  std::shared_ptr<const Mechanism> mechanism;
-  VirtualDeviceSetup setup;
-  std::unique_ptr<VirtualDevice> virtualDevice;
-  std::unique_ptr<Renderer> renderer;
-  Scene scene;
-  std::unique_ptr<HapticTick> haptics;
-  std::unique_ptr<LoopBody> loop;
-};
 
 }  // namespace
 

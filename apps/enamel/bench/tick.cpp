@@ -107,7 +107,7 @@ struct Coupling {
   Tool plate;
 };
 
-Coupling plateOnSixPins() {
+Coupling plateOnSixPins(const Material& material = {}) {
   constexpr double kArm = 0.02, kBall = 2e-3, kPin = 3e-3, kAside = 3.5e-3;  // m
   const double low = kBall - std::sqrt((kBall + kPin) * (kBall + kPin) - kAside * kAside);
   Coupling coupling;
@@ -119,7 +119,8 @@ Coupling plateOnSixPins() {
     part.a = part.b = kArm * outward + kBall * Vec3::UnitZ();
     part.radius = kBall;
     for (const double side : {-1.0, 1.0}) {
-      Obstacle pin{"pin " + std::to_string(coupling.pins.obstacles().size()), Sphere{kPin}, Pose{}, Vec6::Zero(), {}};
+      Obstacle pin{"pin " + std::to_string(coupling.pins.obstacles().size()), Sphere{kPin}, Pose{}, Vec6::Zero(),
+                   material};
       pin.pose.position = kArm * outward + side * kAside * aside + low * Vec3::UnitZ();
       coupling.pins.add(std::move(pin));
     }
@@ -142,12 +143,22 @@ Measurement timeTicks(const std::string& name, const Path& path, int contacts, H
   return rowOf(name, std::move(times_us), wrong, "ticks not ok, or with more or fewer contacts");
 }
 
-// Compare the same renderer without contacts and with six.
+// As stiff as gum, lib/docs/compliant.md.
+Material gum() {
+  Material m;
+  m.stiffness = 1500.0;
+  m.exponent = 1.5;
+  m.thickness = 2e-3;
+  m.hysteresis = 1.0;
+  return m;
+}
+
+// Compare the same renderer without contacts, with six, and with six at a compliant layer.
 void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
                           const std::vector<std::pair<const char*, Renderer*>>& renderers,
                           std::vector<Measurement>& rows) {
   const Scene wall = flatWall();
-  const Coupling coupling = plateOnSixPins();
+  const Coupling coupling = plateOnSixPins(), soft = plateOnSixPins(gum());
   const Path above = pathThroughTheWall(mechanism, ticks, 0.01, 5e-3);
   const Path through = pathThroughTheWall(mechanism, ticks, 5e-5, -1e-4);
   for (const auto& [name, renderer] : renderers) {
@@ -155,22 +166,30 @@ void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOpti
     rows.push_back(timeTicks(std::string("whole tick, 0 contacts, ") + name, above, 0, inTheAir));
     HapticTick onPins(mechanism, coupling.pins, coupling.plate, *renderer, guarded);
     rows.push_back(timeTicks(std::string("whole tick, 6 contacts, ") + name, through, 6, onPins));
+    const double reference_us = rows.back().median_us;
+    HapticTick onSoft(mechanism, soft.pins, soft.plate, *renderer, guarded);
+    rows.push_back(timeTicks(std::string("whole tick, 6 contacts, compliant, ") + name, through, 6, onSoft));
+    rows.back().reference_us = reference_us;
     renderer->reset();
   }
 }
 
-// Compare a tick at a fixed block with one at the same block on springs, as stiff as a tooth on its ligament.
-void addMovable(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
-                const std::vector<std::pair<const char*, Renderer*>>& renderers, std::vector<Measurement>& rows) {
+// Compare a tick at a rigid, fixed block with one at the same block on springs, as stiff as a tooth on its ligament.
+// Then compare it with one at a compliant layer.
+void addBlocks(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
+               const std::vector<std::pair<const char*, Renderer*>>& renderers, std::vector<Measurement>& rows) {
   Obstacle block{"block", Box{{0.02, 0.02, 0.01}}, Pose{}, Vec6::Zero(), {}};
   block.pose.position.z() = -0.01;
-  Scene fixed, movable;
+  Scene fixed, movable, compliant;
   fixed.add(block);
   Suspension tooth;
   tooth.inertia << 2e-3, 2e-3, 2e-3, 6e-8, 6e-8, 3e-8;
   tooth.stiffness << 9.8e4, 9.8e4, 2.5e5, 14.0, 14.0, 14.0;
   block.suspension = std::make_shared<const Suspension>(tooth);
   movable.add(block);
+  block.suspension = nullptr;
+  block.material = gum();
+  compliant.add(block);
   const Path path = pathThroughTheWall(mechanism, ticks, 5e-5, -1e-4);
   for (const auto& [name, renderer] : renderers) {
     HapticTick atFixed(mechanism, fixed, Tool{}, *renderer, guarded);
@@ -178,6 +197,9 @@ void addMovable(const Mechanism& mechanism, int ticks, const GuardOptions& guard
     const double reference_us = rows.back().median_us;
     HapticTick atMovable(mechanism, movable, Tool{}, *renderer, guarded);
     rows.push_back(timeTicks(std::string("whole tick, movable block, ") + name, path, 1, atMovable));
+    rows.back().reference_us = reference_us;
+    HapticTick atCompliant(mechanism, compliant, Tool{}, *renderer, guarded);
+    rows.push_back(timeTicks(std::string("whole tick, compliant block, ") + name, path, 1, atCompliant));
     rows.back().reference_us = reference_us;
     renderer->reset();
   }
@@ -367,8 +389,7 @@ std::vector<Measurement> measureTick(double scale) {
   addRenderer(bench, {"impedance", &spring, "/enamel_impedance.so", {}});
   addNumbersOfContacts(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}},
                        bench.rows);
-  addMovable(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}},
-             bench.rows);
+  addBlocks(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}}, bench.rows);
   addRecording(bench, servo);
   addPush(bench, hold, std::max(10, static_cast<int>(100 * scale)));
   return std::move(bench.rows);

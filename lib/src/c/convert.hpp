@@ -29,7 +29,12 @@ inline std::optional<Suspension> suspensionOf(const EnamelSuspension* s) {
 }
 
 inline Material materialOf(const EnamelMaterial& m) noexcept {
-  return {m.stiffness, m.friction, m.sliding_friction, m.viscosity};
+  Material material{m.stiffness, m.friction, m.sliding_friction, m.viscosity};
+  if (m.exponent != 0.0) material.exponent = m.exponent;
+  if (m.thickness != 0.0) material.thickness = m.thickness;
+  material.hysteresis = m.hysteresis;
+  if (m.puncture != 0.0) material.puncture = m.puncture;
+  return material;
 }
 
 /// Fill in a snapshot or an event.

@@ -124,6 +124,16 @@ void checkMaterial(const Material& m, const std::string& name) {
                 ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to "
                 "friction, and a viscosity in 0 to " +
                 formatNumber(kLargestViscosity) + " N s/m");
+  if (!(m.exponent >= 1.0 && m.exponent <= kLargestExponent) || !(m.thickness > 0.0) ||
+      !(m.hysteresis >= 0.0 && m.hysteresis <= kLargestHysteresis) || !(m.puncture > 0.0))
+    throw Error(name + ": the material must have an exponent in 1 to " + formatNumber(kLargestExponent) +
+                ", a thickness above 0 m, a hysteresis in 0 to " + formatNumber(kLargestHysteresis) +
+                " s/m, and a puncture force above 0 N");
+  const bool isRigid = std::isinf(m.stiffness);
+  if (isRigid && (m.isLayer() || !std::isinf(m.puncture)))
+    throw Error(name + ": an exponent, a thickness, a hysteresis or a puncture force needs a finite stiffness");
+  if (std::isfinite(m.puncture) && std::isinf(m.thickness))
+    throw Error(name + ": a puncture force needs a thickness: the ground below it holds the tool");
 }
 
 double unusualSize(const Obstacle& obstacle, double scale) {

@@ -19,6 +19,8 @@ constexpr double kLargestToolRadius = 0.05;
 constexpr double kLeastHardness = 1e3, kMostHardness = 1e12;  // Pa
 constexpr double kLeastThickness = 1e-6, kMostThickness = 0.01;
 constexpr double kMostInertia = 1e6, kMostStiffness = 1e9, kMostDamping = 1e6;  // of a suspension, SI
+constexpr double kLeastLayer = 1e-5, kMostLayer = 0.1;                          // m
+constexpr double kLeastPuncture = 1e-3, kMostPuncture = 1e3;                    // N
 constexpr int kMaxObstacles = 64;
 
 void requireWithin(const TomlTable& table, const char* key, const Vec3& value, double low, double high,
@@ -143,6 +145,15 @@ void readMaterial(TomlTable& table, Material& material) {
   material.slidingFriction = material.friction;
   read("sliding_friction", 0.0, material.friction, "", material.slidingFriction);
   read("viscosity", 0.0, 1e3, " N s/m", material.viscosity);
+  read("exponent", 1.0, kLargestExponent, "", material.exponent);
+  read("layer_thickness", kLeastLayer, kMostLayer, " m", material.thickness);
+  read("hysteresis", 0.0, kLargestHysteresis, " s/m", material.hysteresis);
+  read("puncture_force", kLeastPuncture, kMostPuncture, " N", material.puncture);
+  for (const char* key : {"exponent", "layer_thickness", "hysteresis", "puncture_force"})
+    if (table.has(key) && std::isinf(material.stiffness))
+      table.fail(key, "needs a finite \"stiffness\", but the material is rigid");
+  if (std::isfinite(material.puncture) && std::isinf(material.thickness))
+    table.fail("puncture_force", "needs \"layer_thickness\": the depth at which the tool meets the ground");
 }
 
 std::shared_ptr<const Suspension> readSuspension(TomlTable& obstacle) {

@@ -133,6 +133,8 @@ void complete(const Pair& pair, const Found& found, Contact& contact) noexcept {
       obstacle.twist.head<3>() + Vec3(obstacle.twist.tail<3>()).cross(contact.point - obstacle.pose.position);
   contact.obstacle = pair.number;
   contact.material = materialOf(obstacle, found);
+  contact.compression = -1.0;
+  contact.isPunctured = false;
   contact.part = pair.part;
   contact.triangle = triangleOf(found);
   contact.feature = found.feature;

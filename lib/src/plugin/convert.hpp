@@ -6,6 +6,7 @@
 
 #include "enamel/plugin/abi.h"
 #include "enamel/plugin/host.hpp"
+#include "enamel/render/compliance.hpp"
 
 namespace enamel {
 
@@ -37,7 +38,7 @@ inline void toPlain(const Contact& from, EnamelContact& to) noexcept {
   to.gap = from.gap;
   Eigen::Map<Vec3>(to.obstacle_velocity) = from.obstacleVelocity;
   to.obstacle = from.obstacle;
-  to.stiffness = from.material.stiffness;
+  to.stiffness = from.compression < 0.0 ? from.material.stiffness : 1.0 / softness(from, from.compression, 0.0, 1.0);
   to.friction = from.material.friction;
   to.sliding_friction = from.material.slidingFriction;
   to.viscosity = from.material.viscosity;

@@ -3,17 +3,59 @@
 #include <algorithm>
 #include <cmath>
 
+#include "enamel/render/compliance.hpp"
+
 namespace enamel {
 namespace {
 
 constexpr double kRetreat = 50.0;  // 1 / kRetreat^2: how far contradicting walls give way to force
-constexpr double kFades = 0.1;     // share of the speed along a wall at which a vanished wall retreats
+constexpr int kMostTangents = 8;
+constexpr double kTolerance = 1e-6;          // of the depth: error of a contact with a compliant material
+constexpr double kLeastCompression = 1e-12;  // m, at which a law of a high exponent has a tangent
+constexpr double kFades = 0.1;               // share of the speed along a wall at which a vanished wall retreats
 
 // Compliance of the controller along a row, m/N.
 double complianceOf(const PredictedModes& modes, const Lane& row) noexcept {
   double sum = 0.0;
   for (int mode = 0; mode < modes.count; ++mode) sum += row[mode] * row[mode] / modes.law.stiffness[mode];
   return sum;
+}
+
+// Solve the contact equation with the compliances of the targets.
+void solveWalls(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, const Target* targets,
+                int count, double* force) noexcept {
+  double G[kMaxWalls][kMaxWalls], h[kMaxWalls] = {};
+  const double give = 1.0 / (kRetreat * kRetreat);
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double v = 0.0;
+      for (int k = 0; k < modes.count; ++k) v += targets[i].row[k] * targets[j].row[k] / modes.law.stiffness[k];
+      v = v / (targets[i].size * targets[j].size) + give;
+      const double reach = targets[i].reach * targets[j].reach;
+      if (i != j && reach > 0.0)
+        v += reach * frame.yield.inverse[static_cast<int>(walls[targets[i].wall].contact)]
+                                        [static_cast<int>(walls[targets[j].wall].contact)];
+      G[i][j] = G[j][i] = v;
+    }
+    G[i][i] += targets[i].compliance;
+    h[i] = -(targets[i].gap + targets[i].offset) / targets[i].size * (1.0 + give) / (1.0 - give);
+  }
+  solveNonNegative(G, h, count, force);
+  // sum / deepest is 1 for a single wall, and 1 / s^2 for two that face each other but lean by s towards a way out.
+  double sum = 0.0, deepest = 0.0, doubt = 0.0;
+  for (int i = 0; i < count; ++i) {
+    sum += force[i];
+    doubt += force[i] * targets[i].doubt / targets[i].size;
+    deepest = std::max(deepest, h[i]);
+  }
+  if (!(sum > 0.0)) return;
+  const double retreat = std::max(2.0 * give * sum, doubt / sum * std::max(0.0, 1.0 - deepest / sum));
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j < count; ++j) G[i][j] -= give;
+    h[i] -= retreat;
+  }
+  solveNonNegative(G, h, count, force);
+  for (int i = 0; i < count; ++i) force[i] /= targets[i].size;
 }
 
 }  // namespace
@@ -55,7 +97,7 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
       w.rest -= contact.normal.dot(frame.yield.velocity[c]);
       w.after = w.rest + contact.normal.dot(frame.yield.after[c]);
     }
-    w.softness = 1.0 / contact.material.stiffness;
+    w.softness = softness(contact, contact.compression, 0.0, modes.period);
     w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
     w.contact = c;
     double was = 0.0;  // a new wall begins at the tool
@@ -116,12 +158,20 @@ int placeTargets(const TickFrame& frame, const PredictedModes& modes, const Rebo
     if (w.holds == 0.0) continue;
     t.gap = gap - w.rest * lead / square;
     t.size = std::sqrt(square);
-    t.compliance = w.softness / square;
-    t.reach = 0.0;
-    if (const int c = static_cast<int>(w.contact); frame.yield.isAny && c >= 0) {
-      t.reach = std::sqrt(modes.period * lead) / square;
-      t.compliance += t.reach * t.reach * frame.yield.inverse[c][c];
+    t.reach = t.apart = t.offset = 0.0;
+    t.isLayer = false;
+    double soft = w.softness;
+    if (const int c = static_cast<int>(w.contact); c >= 0) {
+      if (frame.yield.isAny) {
+        t.reach = std::sqrt(modes.period * lead) / square;
+        t.apart = t.reach * t.reach * frame.yield.inverse[c][c];
+      }
+      if (const Contact& contact = frame.contacts.contacts[c]; contact.compression >= 0.0) {
+        t.isLayer = true;
+        soft = softness(contact, -t.gap, square * (1.0 + t.apart), modes.period);
+      }
     }
+    t.compliance = soft / square + t.apart;
     t.doubt = 0.5 * reading + modes.tremor * square;
     t.wall = i;
     ++placed;
@@ -129,44 +179,38 @@ int placeTargets(const TickFrame& frame, const PredictedModes& modes, const Rebo
   return placed;
 }
 
-void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, const Target* targets,
-                   int count, double* force) noexcept {
+void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, Target* targets, int count,
+                   double* force) noexcept {
   if (count == 1) {
     force[0] = std::max(0.0, -targets[0].gap) / (targets[0].size * targets[0].size * (1.0 + targets[0].compliance));
     return;
   }
-  double G[kMaxWalls][kMaxWalls], h[kMaxWalls] = {};
-  const double give = 1.0 / (kRetreat * kRetreat);
-  for (int i = 0; i < count; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      double v = 0.0;
-      for (int k = 0; k < modes.count; ++k) v += targets[i].row[k] * targets[j].row[k] / modes.law.stiffness[k];
-      v = v / (targets[i].size * targets[j].size) + give;
-      const double reach = targets[i].reach * targets[j].reach;
-      if (i != j && reach > 0.0)
-        v += reach * frame.yield.inverse[static_cast<int>(walls[targets[i].wall].contact)]
-                                        [static_cast<int>(walls[targets[j].wall].contact)];
-      G[i][j] = G[j][i] = v;
+  // Newton's method for compliant layers, from their compressions at the last tick.
+  for (int step = 0; step < kMostTangents; ++step) {
+    double error = 0.0;
+    for (int i = 0; i < count; ++i) {
+      Target& t = targets[i];
+      if (!t.isLayer) continue;
+      const Contact& contact = frame.contacts.contacts[static_cast<int>(walls[t.wall].contact)];
+      const Material& m = contact.material;
+      const double square = t.size * t.size, before = contact.compression;
+      double x = before;
+      if (step > 0)
+        x = t.offset + force[i] * square * (t.compliance - t.apart);
+      else if (!(before < kNotCompressed))
+        x = -t.gap * (t.compliance - t.apart) / (1.0 + t.compliance);  // as if it were alone
+      if (x >= m.thickness) x = compressionUnder(m, force[i], before, modes.period);
+      x = std::max(kLeastCompression, x);
+      const auto [now, slope] = forceOf(m, x, before, modes.period);
+      error = std::max(error, step > 0 ? square * std::abs(now - force[i]) + t.gap * kTolerance : 1.0);
+      const double soft = std::min(kSoftest, 1.0 / slope);
+      t.compliance = t.apart + soft / square;
+      t.offset = x - now * soft;
     }
-    G[i][i] += targets[i].compliance;
-    h[i] = -targets[i].gap / targets[i].size * (1.0 + give) / (1.0 - give);
+    if (step > 0 && !(error > 0.0)) return;
+    solveWalls(frame, modes, walls, targets, count, force);
+    if (!(error > 0.0)) return;
   }
-  solveNonNegative(G, h, count, force);
-  // sum / deepest is 1 for a single wall, and 1 / s^2 for two that face each other but lean by s towards a way out.
-  double sum = 0.0, deepest = 0.0, doubt = 0.0;
-  for (int i = 0; i < count; ++i) {
-    sum += force[i];
-    doubt += force[i] * targets[i].doubt / targets[i].size;
-    deepest = std::max(deepest, h[i]);
-  }
-  if (!(sum > 0.0)) return;
-  const double retreat = std::max(2.0 * give * sum, doubt / sum * std::max(0.0, 1.0 - deepest / sum));
-  for (int i = 0; i < count; ++i) {
-    for (int j = 0; j < count; ++j) G[i][j] -= give;
-    h[i] -= retreat;
-  }
-  solveNonNegative(G, h, count, force);
-  for (int i = 0; i < count; ++i) force[i] /= targets[i].size;
 }
 
 }  // namespace enamel

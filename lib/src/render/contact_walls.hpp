@@ -19,7 +19,7 @@ struct Wall {
   double speed = 0.0;      ///< of the obstacle along the normal, m/s
   double rest = 0.0;       ///< the same without its motion in its suspension, which is that of the time of the command
   double after = 0.0;      ///< the same after a tick without a contact force
-  double softness = 0.0;   ///< 1 / stiffness of the material, m/N
+  double softness = 0.0;   ///< of the material at its last compression, m/N
   double name = 0.0;       ///< identifies the wall from tick to tick
   double retreated = 0.0;  ///< m: of a wall that has vanished
   double contact = -1.0;   ///< index in the frame; -1: vanished
@@ -37,9 +37,12 @@ struct Target {
   Lane row;
   double gap, size;   ///< m; norm of the row in the metric 1 / stiffness
   double compliance;  ///< of the material and of a movable obstacle, relative to size^2
+  double apart;       ///< of the movable obstacle alone
+  double offset;      ///< m: the tangent of the material's law begins so much deeper
   double reach;       ///< s: a speed of the obstacle times this is a distance, relative to size
   double doubt;       ///< uncertainty of the gap: half a step of the reading, and the deflection by a tremor, m
   int wall;
+  bool isLayer;  ///< the material is not linear
 };
 
 /// How far a push moves the tool before a command answers.
@@ -66,10 +69,10 @@ int placeTargets(const TickFrame& frame, const PredictedModes& modes, const Rebo
                  int count, Target* targets) noexcept;
 
 /// Compute forces, N, that move the modes from where the hand would take them to the nearest point of the free space.
-/// If walls contradict each other, all of them give way. Movable obstacles give way as their inertia allows. Realtime:
-/// yes.
-void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, const Target* targets,
-                   int count, double* force) noexcept;
+/// If walls contradict each other, all of them give way. Movable obstacles give way as their inertia allows, compliant
+/// materials by their law. Changes the materials' part of the targets. Realtime: yes.
+void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, Target* targets, int count,
+                   double* force) noexcept;
 
 /// Return the friction torque at the contacts. Its limit uses the force that balances the hand's push; the commanded
 /// one chatters. lastEstimate: joints at the last tick. Realtime: yes.

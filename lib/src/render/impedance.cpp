@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/message.hpp"
+#include "enamel/render/compliance.hpp"
 
 namespace enamel {
 namespace {
@@ -54,13 +55,14 @@ Status ImpedanceRenderer::render(const TickFrame& frame, TickOutput& output) noe
   const auto pressAt = [&](int i, Vec3 velocity) {
     const Contact& contact = frame.contacts.contacts[i];
     double gap = predictedGap(frame, contact, period_), answers = 1.0;
-    const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // stiffness 0: no force
     if (yield.isAny) {
       velocity += yield.velocity[i] - yield.after[i];
       gap -= period_ * contact.normal.dot(yield.after[i]);
-      answers = share(1.0 / compliance, yield.inverse[i][i]);
     }
     if (!(gap < 0.0)) return -1.0;
+    const double spring = 1.0 / options_.stiffness;  // stiffness 0: no force
+    const double compliance = spring + softness(contact, -gap, spring, period_);
+    if (yield.isAny) answers = share(1.0 / compliance, yield.inverse[i][i]);
     return answers * std::max(0.0, -gap / compliance - options_.damping * contact.normal.dot(velocity));
   };
   std::array<double, kMaxContacts> pressed;

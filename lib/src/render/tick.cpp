@@ -78,6 +78,7 @@ Status HapticTick::tick(const Measurement& measurement) noexcept {
   const bool isStopped = guard_.fault() != GuardReason::none;
   scene_.motion().scaleForces(status == Status::ok ? frame_.age / (frame_.age + 1.0) : 0.0);
   if (status == Status::ok && frame_.yield.isAny) react();
+  if (status == Status::ok) scene_.compliance().press(frame_.output, guard_.options().period, frame_.contacts);
   if (status == Status::ok && isSample) cut((1 + lost) * guard_.options().period, isStopped);
   if (guard_.options().on && !isStopped && !guard_.engaged()) renderer_->reset();
   return status == Status::ok && isStopped ? Status::stopped : status;
@@ -105,6 +106,7 @@ Status HapticTick::findContacts(double time, double elapsed) noexcept {
     for (int i = 0; i < frame_.contacts.count; ++i) {
       frame_.contacts.contacts[i].material.stiffness /= scale;
       frame_.contacts.contacts[i].material.viscosity /= scale;
+      frame_.contacts.contacts[i].material.puncture /= scale;
     }
   if (drill_ != nullptr) drill_->correct(frame_.contacts);
   scene_.motion().yieldAt(frame_.contacts, guard_.options().period, mechanism_.scale(), frame_.yield);

@@ -18,26 +18,35 @@ bool isSame(const Tool& a, const Tool& b) noexcept {
 }  // namespace
 
 TickScene::TickScene(const Scene& scene, const Tool& tool)
-    : stated_(&scene), tool_(tool), motion_(scene), track_(makeToolTrack(scene, tool)) {}
+    : stated_(&scene), tool_(tool), motion_(scene), compliance_(scene), track_(makeToolTrack(scene, tool)) {}
 
 Status TickScene::findContacts(const Pose& pose, double time, double elapsed, ContactSnapshot& contacts) noexcept {
-  return followContacts(motion_.follow(*stated_, time, elapsed), tool_, pose, kContactMargin, track_, contacts);
+  const Scene& now = motion_.follow(*stated_, time, elapsed);
+  const Status status = followContacts(now, tool_, pose, kContactMargin, track_, contacts);
+  compliance_.enter(now, tool_, contacts);
+  return status;
 }
 
 void TickScene::takeOver(TickScene& old) noexcept {
   motion_.takeOver(old.motion_);
-  if (isSame(tool_, old.tool_)) track_.takeOver(old.track_, old.motion_.scene(), motion_.scene());
+  if (!isSame(tool_, old.tool_)) return;
+  track_.takeOver(old.track_, old.motion_.scene(), motion_.scene());
+  compliance_.takeOver(old.compliance_, old.motion_.scene(), motion_.scene());
 }
 
 void TickScene::saveState(double* state) const noexcept {
   motion_.saveState(state);
-  track_.saveState(motion_.scene(), state + motion_.stateSize());
+  state += motion_.stateSize();
+  track_.saveState(motion_.scene(), state);
+  compliance_.saveState(state + track_.stateSize());
 }
 
 void TickScene::loadState(const double* state) noexcept {
   reset();
   motion_.loadState(state);
-  track_.loadState(motion_.scene(), state + motion_.stateSize());
+  state += motion_.stateSize();
+  track_.loadState(motion_.scene(), state);
+  compliance_.loadState(state + track_.stateSize());
 }
 
 }  // namespace enamel

@@ -264,6 +264,7 @@ void Session::Impl::publish(const LoopTick& tick, const TickFrame& frame) noexce
     Material& material = now.contacts.contacts[static_cast<std::size_t>(i)].material;
     material.stiffness *= scale();
     material.viscosity *= scale();
+    material.puncture *= scale();
   }
   now.wrench.setZero();
   const bool isKnown = tick.status == Status::ok || tick.status == Status::stopped;

@@ -107,6 +107,15 @@ class Scene:
         stiffness: float = ...,
         friction: float = ...,
     ) -> int: ...
+    def soften(
+        self,
+        obstacle: int,
+        stiffness: float,
+        exponent: float = ...,
+        thickness: float = ...,
+        hysteresis: float = ...,
+        puncture: float = ...,
+    ) -> None: ...
     def suspend(
         self,
         obstacle: int,

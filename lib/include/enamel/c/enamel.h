@@ -77,6 +77,10 @@ typedef struct EnamelMaterial {
   double friction;         /* 0 to 10 */
   double sliding_friction; /* 0 to friction */
   double viscosity;        /* N s/m */
+  double exponent;         /* of force over depth, 1 to 10: the stiffness is that at 1 mm; 0: 1, linear */
+  double thickness;        /* at which a compliant layer bottoms out, m; 0: never */
+  double hysteresis;       /* damping in proportion to the force, s/m */
+  double puncture;         /* force at which the layer breaks, N; 0: never; needs a thickness */
 } EnamelMaterial;
 
 /* How an obstacle moves under contact forces, along and about the axes of its frame. 0 inertia: it does not. */

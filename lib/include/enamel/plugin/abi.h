@@ -74,7 +74,7 @@ typedef struct EnamelContact {
   double normal[3];            /* outward unit normal of the obstacle at that point, W */
   double gap;                  /* signed distance, m; negative inside the obstacle */
   double obstacle_velocity[3]; /* of the obstacle's material at the point, W, m/s */
-  double stiffness;            /* of the obstacle's surface along the normal, N/m; infinite: rigid */
+  double stiffness;            /* along the normal, N/m; infinite: rigid. A layer: force over last compression */
   double friction;             /* largest ratio of tangential to normal force at rest */
   double sliding_friction;     /* the same while sliding, at most `friction` */
   double viscosity;            /* tangential force per sliding speed, N s/m */

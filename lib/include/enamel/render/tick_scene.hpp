@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "enamel/collision/contacts.hpp"
+#include "enamel/render/compliance.hpp"
 #include "enamel/render/scene_motion.hpp"
 
 namespace enamel {
@@ -22,6 +23,7 @@ class TickScene {
   const Tool& tool() const noexcept { return tool_; }
   const SceneMotion& motion() const noexcept { return motion_; }
   SceneMotion& motion() noexcept { return motion_; }
+  ComplianceMemory& compliance() noexcept { return compliance_; }
 
   /// Move the obstacles to `time`, s, `elapsed` s after the last call, and find the contacts of the tool at a pose.
   /// Statuses as followContacts(). Realtime: yes.
@@ -32,13 +34,17 @@ class TickScene {
   /// yes.
   void takeOver(TickScene& old) noexcept;
 
-  /// Put the obstacles at their stated poses, at rest. forgetPath() forgets the path of the tool. Realtime: yes.
-  void reset() noexcept { motion_.reset(*stated_); }
+  /// Put the obstacles at their stated poses, at rest and whole. forgetPath() forgets the path of the tool. Realtime:
+  /// yes.
+  void reset() noexcept {
+    motion_.reset(*stated_);
+    compliance_.reset();
+  }
   void forgetPath() noexcept { track_.reset(motion_.scene()); }
 
-  /// Save and load the path of the tool and the movable obstacles as stateSize() numbers. loadState() also resets the
-  /// other obstacles. Realtime: yes.
-  std::size_t stateSize() const noexcept { return motion_.stateSize() + track_.stateSize(); }
+  /// Save and load the path of the tool, movable obstacles and compliant materials as stateSize() numbers. loadState()
+  /// also resets the other obstacles. Realtime: yes.
+  std::size_t stateSize() const noexcept { return motion_.stateSize() + track_.stateSize() + compliance_.stateSize(); }
   void saveState(double* state) const noexcept;
   void loadState(const double* state) noexcept;
 
@@ -46,6 +52,7 @@ class TickScene {
   const Scene* stated_;  // its poses and twists are where the obstacles shall go
   Tool tool_;
   SceneMotion motion_;
+  ComplianceMemory compliance_;
   ToolTrack track_;
 };
 

@@ -1,0 +1,186 @@
+#include "enamel/render/compliance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "enamel/collision/scene.hpp"
+#include "enamel/collision/tool.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kUnit = 1e-3;     // m: Material::stiffness is that at this depth
+constexpr int kMostHalvings = 80;  // of the search for a compression; about 6 are usual, halvings need 60 at most
+constexpr int kMostCells = 100;    // of a layer of a solid: its thickness is sought no farther
+
+// Return how thick the layer of a solid is below the surface at a contact, m; infinite: its end was not found.
+double thicknessAt(const Obstacle& obstacle, const Solid& solid, const Contact& contact) noexcept {
+  const Mat3 axes = obstacle.pose.rotation.transpose();
+  const Vec3 down = -(axes * contact.normal),
+             surface = axes * (contact.point - contact.gap * contact.normal - obstacle.pose.position);
+  const auto layerAt = [&](double cells) { return solid.layerAt(surface + cells * solid.cell() * down); };
+  const int layer = layerAt(0.5);
+  for (int i = 1; i < kMostCells; ++i)
+    if (layerAt(0.5 + i) != layer) return i * solid.cell();
+  return std::numeric_limits<double>::infinity();
+}
+
+// A ball that touches a rough surface has several contacts. Return how many of the contacts, as deep as this one and in
+// its direction, press on the same place of the layer.
+double contactsAt(const Contact& c, double reach, const ContactSnapshot& contacts) noexcept {
+  double sum = 1.0;
+  for (int i = 0; i < contacts.count; ++i) {
+    const Contact& other = contacts.contacts[static_cast<std::size_t>(i)];
+    if (&other == &c || other.obstacle != c.obstacle || other.part != c.part || !other.material.isLayer()) continue;
+    if (!(c.gap < 0.0 && other.gap < 0.0 && (other.point - c.point).norm() <= reach)) continue;
+    sum += std::max(0.0, c.normal.dot(other.normal)) * std::min(1.0, other.gap / c.gap);
+  }
+  return sum;
+}
+
+}  // namespace
+
+MaterialForce forceOf(const Material& m, double x, double before, double period) noexcept {
+  if (!(x > 0.0)) return {0.0, m.exponent == 1.0 ? m.stiffness : 0.0};
+  const double open = 1.0 - x / m.thickness;
+  const double elastic = m.stiffness * x * (m.exponent == 1.0 ? 1.0 : std::pow(x / kUnit, m.exponent - 1.0)) / open;
+  const double slope = elastic * (m.exponent / x + 1.0 / (m.thickness * open));
+  const double damping = before < kNotCompressed ? m.hysteresis / period : 0.0, factor = 1.0 + damping * (x - before);
+  if (!(factor > 0.0)) return {0.0, 0.0};
+  return {elastic * factor, slope * factor + elastic * damping};
+}
+
+double compressionInSeries(const Material& m, double depth, double soft, double before, double period) noexcept {
+  if (!(depth > 0.0) || std::isinf(soft)) return 0.0;
+  // The search of the root of a convex, rising function. Without thickness the compression would be `open`.
+  const double open = kUnit * std::pow(depth / soft / (m.stiffness * kUnit), 1.0 / m.exponent);
+  double low = 0.0, high = std::min({depth, m.thickness, std::max(before, open)});
+  double x = high < m.thickness && high < open ? high : 1.0 / (1.0 / open + 1.0 / m.thickness);
+  for (int step = 0; step < kMostHalvings; ++step) {
+    x = x > low && x < high ? x : 0.5 * (low + high);
+    const auto [force, slope] = forceOf(m, x, before, period);
+    const double error = x + soft * force - depth;
+    (error > 0.0 ? high : low) = x;
+    const double next = x - error / (1.0 + soft * slope);
+    const bool isFound = std::abs(next - x) <= 1e-13 * x;
+    x = next;
+    if (isFound) break;
+  }
+  return std::clamp(x, low, high);
+}
+
+double softness(const Contact& contact, double depth, double soft, double period) noexcept {
+  const Material& m = contact.material;
+  if (contact.compression < 0.0) return 1.0 / m.stiffness;
+  const double x = compressionInSeries(m, depth, soft, contact.compression, period);
+  return x > 0.0 ? std::min(kSoftest, x / forceOf(m, x, contact.compression, period).force) : 1.0 / m.stiffness;
+}
+
+double compressionUnder(const Material& m, double force, double before, double period) noexcept {
+  constexpr double kSoft = 1e18;  // m/N: all of the force is left for the material
+  return compressionInSeries(m, kSoft * force, kSoft, before, period);
+}
+
+ComplianceMemory::ComplianceMemory(const Scene& scene) {
+  for (const Obstacle& obstacle : scene.obstacles()) {
+    isAny_ = isAny_ || obstacle.material.isLayer();
+    if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape))
+      for (const SolidLayer& layer : (*solid)->layers()) isAny_ = isAny_ || layer.material.isLayer();
+  }
+}
+
+void ComplianceMemory::enter(const Scene& scene, const Tool& tool, ContactSnapshot& contacts) noexcept {
+  if (!isAny_) return;
+  std::array<double, kMaxContacts> sharing;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
+    const Contact& c = contacts.contacts[i];
+    constexpr double kRounding = 1e-9;  // m
+    sharing[i] = contactsAt(c, 2.0 * tool.parts[static_cast<std::size_t>(c.part)].radius + kRounding, contacts);
+  }
+  bool isMoved = false;
+  for (int i = 0; i < contacts.count; ++i) {
+    Contact& c = contacts.contacts[static_cast<std::size_t>(i)];
+    if (!c.material.isLayer()) continue;
+    c.material.stiffness /= sharing[static_cast<std::size_t>(i)];
+    const Obstacle& obstacle = scene.obstacles()[static_cast<std::size_t>(c.obstacle)];
+    if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape))
+      c.material.thickness = std::min(c.material.thickness, thicknessAt(obstacle, **solid, c));
+    c.compression = kNotCompressed;
+    for (const Pressed& last : last_) {
+      if (last.obstacle != c.obstacle || last.part != c.part) continue;
+      c.isPunctured = c.isPunctured || (c.gap < 0.0 && last.isPunctured != 0.0 && std::isfinite(c.material.puncture));
+      if (last.key == c.key) c.compression = last.compression;
+    }
+    if (!c.isPunctured) continue;
+    isMoved = true;
+    c.gap += c.material.thickness;
+    c.compression = -1.0;
+    const Material ground;
+    c.material.stiffness = ground.stiffness;
+    c.material.exponent = ground.exponent;
+    c.material.thickness = ground.thickness;
+    c.material.hysteresis = ground.hysteresis;
+    c.material.puncture = ground.puncture;
+  }
+  const auto first = contacts.contacts.begin();
+  for (int i = 1; isMoved && i < contacts.count; ++i)  // the deepest first, as before; std::stable_sort allocates
+    std::rotate(
+        std::upper_bound(first, first + i, first[i], [](const Contact& a, const Contact& b) { return a.gap < b.gap; }),
+        first + i, first + i + 1);
+  last_ = {};
+  for (int i = 0; i < contacts.count; ++i) {
+    const Contact& c = first[i];
+    last_[static_cast<std::size_t>(i)] = {static_cast<double>(c.obstacle), static_cast<double>(c.part),
+                                          static_cast<double>(c.key), std::max(0.0, c.compression),
+                                          c.isPunctured ? 1.0 : 0.0};
+  }
+}
+
+void ComplianceMemory::press(const TickOutput& output, double period, ContactSnapshot& contacts) noexcept {
+  if (!isAny_) return;
+  const auto& forces = output.normalForces;
+  const bool isDivided = std::any_of(forces.begin(), forces.end(), [](double force) { return force > 0.0; });
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
+    Contact& c = contacts.contacts[i];
+    if (c.compression < 0.0) continue;
+    const double force = isDivided ? forces[i] : i == 0 ? output.normalForce : 0.0;
+    c.compression = last_[i].compression = compressionUnder(c.material, force, c.compression, period);
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
+    const Contact& c = contacts.contacts[i];
+    if (c.compression < 0.0) continue;
+    double whole = isDivided ? 0.0 : output.normalForce;  // of this part on this obstacle
+    for (std::size_t j = 0; isDivided && j < static_cast<std::size_t>(contacts.count); ++j)
+      if (last_[j].obstacle == last_[i].obstacle && last_[j].part == last_[i].part) whole += forces[j];
+    if (whole > c.material.puncture) last_[i].isPunctured = 1.0;
+  }
+}
+
+void ComplianceMemory::saveState(double* state) const noexcept {
+  if (!isAny_) return;
+  for (const Pressed& p : last_)
+    for (const double number : {p.obstacle, p.part, p.key, p.compression, p.isPunctured}) *state++ = number;
+}
+
+void ComplianceMemory::loadState(const double* state) noexcept {
+  if (!isAny_) return;
+  bool isSound = true;
+  for (Pressed& p : last_)
+    for (double* const number : {&p.obstacle, &p.part, &p.key, &p.compression, &p.isPunctured}) {
+      *number = *state++;
+      isSound = isSound && std::isfinite(*number);
+    }
+  for (const Pressed& p : last_) isSound = isSound && p.compression >= 0.0;
+  if (!isSound) reset();
+}
+
+void ComplianceMemory::takeOver(const ComplianceMemory& old, const Scene& before, const Scene& now) noexcept {
+  for (std::size_t i = 0; i < last_.size(); ++i)
+    if (const double number = old.last_[i].obstacle;
+        number >= 0.0 && isSameObstacle(before, now, static_cast<std::size_t>(number)))
+      last_[i] = old.last_[i];
+}
+
+}  // namespace enamel
