@@ -1,5 +1,6 @@
 // Position control of a device that differs from its file: masses, cables, friction, lost samples, late ticks, delay.
 // Also of a device that does not report the torque that acts.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -179,13 +180,36 @@ TEST_CASE("position control learns a constant delay: of a range, or a tick away 
         }
 }
 
+// Cases that are less certain: cables so soft, or errors so large, that a part of the pushes is lost.
+TEST_CASE("position control loses few pushes behind soft cables, and with several errors at once", "[hard]") {
+  const auto all = [](double factor) {
+    return [factor](TauParameters& tau) {
+      massesTimes(factor)(tau);
+      rotorsTimes(factor)(tau);
+    };
+  };
+  struct Row {
+    double cable;
+    Error error;
+  };
+  for (const Row& row : {Row{300.0, {"cables of the file x 0.7", cablesTimes(0.7)}},
+                         {300.0, {"cables of the file x 1.3", cablesTimes(1.3)}},
+                         {3000.0, {"cables of the file x 0.7", cablesTimes(0.7)}},
+                         {3000.0, {"cables of the file x 1.3", cablesTimes(1.3)}},
+                         {1000.0, {"masses and rotors of the file x 0.7", all(0.7)}},
+                         {1000.0, {"masses and rotors of the file x 1.3", all(1.3)}}}) {
+    INFO("cable " << row.cable << " N m/rad, " << row.error.name);
+    CHECK(resultOf(row.error, row.cable).lost <= test::count(1, 18));  // of 9 or 180
+  }
+}
+
 // Above half the sample rate, a resonance looks like one below it. Then the estimate can be wrong.
 TEST_CASE("position control learns the stiffness of cables that resonate below half the sample rate", "[hard]") {
-  constexpr double kCable = 1000.0;  // N m/rad: 430 Hz
+  constexpr double kCable = 1000.0, kSoon = 0.1;  // N m/rad, 430 Hz; s
   for (const int delay : {0, 2})
     for (const double factor : {0.7, 1.0, 1.3}) {
       const StudyPlan whole = planOf({"", cablesTimes(factor), {}, {delay, delay}}, kCable, test::count(1, 10));
-      std::vector<PositionControlState> learnt(whole.size());
+      std::vector<PositionControlState> soon(whole.size()), learnt(whole.size());
       parallelFor(whole.size(), availableThreads(), [&](std::size_t i) {
         StudyPlan plan = whole;
         const PositionControlRenderer* renderer = nullptr;
@@ -194,18 +218,31 @@ TEST_CASE("position control learns the stiffness of cables that resonate below h
           renderer = dynamic_cast<const PositionControlRenderer*>(made.get());
           return made;
         };
-        (void)performRun(plan, runAt(plan, i), [&](const TickRecord&) { learnt[i] = renderer->state(); });
+        (void)performRun(plan, runAt(plan, i), [&](const TickRecord& tick) {
+          learnt[i] = renderer->state();
+          if (tick.time < kSoon) soon[i] = learnt[i];
+        });
       });
-      int inside = 0;
-      double square = 0.0;
-      for (const PositionControlState& state : learnt) {
-        const double error = std::log(state.cable * factor);
-        inside += std::abs(error) <= 1.96 * state.cableDeviation;
-        square += error * error / static_cast<double>(learnt.size());
-      }
-      INFO("delay " << delay << ", cables of the file x " << factor << ": error " << std::sqrt(square) << ", " << inside
-                    << " of " << learnt.size() << " intervals contain the truth");
-      CHECK(std::sqrt(square) < 0.1);
+      const auto errorOf = [factor](const PositionControlState& state) { return std::log(state.cable * factor); };
+      const auto rms = [&](const std::vector<PositionControlState>& states) {
+        double square = 0.0;
+        for (const PositionControlState& state : states) square += std::pow(errorOf(state), 2);
+        return std::sqrt(square / static_cast<double>(states.size()));
+      };
+      const int inside =
+          static_cast<int>(std::count_if(learnt.begin(), learnt.end(), [&](const PositionControlState& state) {
+            return std::abs(errorOf(state)) <= 1.96 * state.cableDeviation;
+          }));
+      const double early = rms(soon), late = rms(learnt);
+      if (test::longRun())
+        std::printf(
+            "delay %d, cables of the file x %.1f: error %.3f after 0.1 s, %.3f after the push, %d of %zu "
+            "intervals contain the truth\n",
+            delay, factor, early, late, inside, learnt.size());
+      INFO("delay " << delay << ", cables of the file x " << factor << ": error " << early << ", then " << late << ", "
+                    << inside << " of " << learnt.size() << " intervals contain the truth");
+      CHECK(early < 0.15);
+      CHECK(late < 0.1);
       CHECK(inside >= 0.8 * static_cast<double>(learnt.size()));
     }
 }

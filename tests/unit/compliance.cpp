@@ -45,6 +45,21 @@ Obstacle block(const Material& material) {
 
 double elasticForce(const Material& m, double x) { return forceOf(m, x, x, kTick).force; }
 
+// Means over the last 200 ticks of a press: height of the tool, m, and force of the renderer, N.
+struct Rest {
+  double height = 0.0, force = 0.0;
+};
+Rest restUnder(Bench& bench, double push, int ticks) {
+  Rest rest;
+  for (int i = 0; i < ticks; ++i) {
+    REQUIRE(bench.press(push));
+    if (i < ticks - 200) continue;
+    rest.height += bench.tool().position.z() / 200.0;
+    rest.force += bench.force() / 200.0;
+  }
+  return rest;
+}
+
 Material anyLayer(test::Random& random) {
   const auto any = [&](double low, double high) { return std::pow(10.0, random.uniform(low, high)); };
   return layer(any(0, 9), random.uniform(0.0, 1.0) < 0.2 ? 1.0 : random.uniform(1.0, 5.0),
@@ -174,17 +189,11 @@ TEST_CASE("compliance: the force at a depth is that of the law within 1 %", "[co
         for (const double thickness : {2e-3, kInfinity}) {
           const Material m = layer(stiffness, exponent, thickness, 1.0);
           Bench bench({"tau-nominal.toml", kClosedForm, block(m), delay, spring});
-          double depth = 0.0, force = 0.0;
-          for (int i = 0; i < 900; ++i) {
-            REQUIRE(bench.press(5.0));
-            if (i < 700) continue;
-            depth += bench.depth() / 200.0;
-            force += bench.force() / 200.0;
-          }
+          const auto [height, force] = restUnder(bench, 5.0, 900);
           INFO("delay " << delay << (spring ? ", spring, " : ", ") << stiffness << " N/m, exponent " << exponent
                         << ", thickness " << thickness << " m");
           CHECK(force == Approx(5.0).epsilon(0.01));
-          CHECK(elasticForce(m, depth - (spring ? force / 1500.0 : 0.0)) == Approx(force).epsilon(0.01));
+          CHECK(elasticForce(m, -height - (spring ? force / 1500.0 : 0.0)) == Approx(force).epsilon(0.01));
         }
 }
 
@@ -206,13 +215,7 @@ TEST_CASE("compliance: a shallow valley is as stiff as a plane", "[compliance]")
     setting.obstacle.pose.position.setZero();
     setting.tool.parts[0] = {{0.0, 0.0, kRadius}, {0.0, 0.0, kRadius}, kRadius};
     Bench bench(setting);
-    double height = 0.0, force = 0.0;
-    for (int i = 0; i < 900; ++i) {
-      REQUIRE(bench.press(5.0));
-      if (i < 700) continue;
-      height += bench.tool().position.z() / 200.0;
-      force += bench.force() / 200.0;
-    }
+    const auto [height, force] = restUnder(bench, 5.0, 900);
     CHECK(bench.haptics->frame().contacts.count == 2);
     CHECK(force == Approx(5.0).epsilon(0.01));
     const double touch = kRadius * (std::sqrt(1.04) - 1.0);  // height of the ball that touches both faces
@@ -230,21 +233,15 @@ TEST_CASE("compliance: a plugin sees the stiffness that the layer has under its 
       AsPlugin plugin(spring);
       plugin.activate(kTick);
       bench.haptics->select(plugin);
-      double depth = 0.0, force = 0.0;
-      for (int i = 0; i < 1500; ++i) {
-        REQUIRE(bench.press(5.0));
-        if (i < 1300) continue;
-        depth += bench.depth() / 200.0;
-        force += bench.force() / 200.0;
-      }
+      const auto [height, force] = restUnder(bench, 5.0, 1500);
       INFO(stiffness << " N/m, exponent " << exponent);
       CHECK(force == Approx(5.0).epsilon(0.01));
-      CHECK(elasticForce(m, depth - force / 1500.0) == Approx(force).epsilon(0.01));
+      CHECK(elasticForce(m, -height - force / 1500.0) == Approx(force).epsilon(0.01));
     }
 }
 
 TEST_CASE("compliance: two contacts share a load by the law", "[compliance]") {
-  // A capsule lies on the block: two contacts, each with half of the force. Beside it a groove of 90 degrees.
+  // A capsule lies on the block: two contacts, each with half of the force.
   for (const double exponent : {1.0, 1.5, 3.0})
     for (const double stiffness : {1e3, 1e5})
       for (const bool spring : {false, true}) {
@@ -252,17 +249,11 @@ TEST_CASE("compliance: two contacts share a load by the law", "[compliance]") {
         Bench::Setting lying{"tau-nominal.toml", kClosedForm, block(m), 0, spring};
         lying.tool.parts[0] = {{-3e-3, 0.0, 1e-3}, {3e-3, 0.0, 1e-3}, 1e-3};
         Bench bench(lying);
-        double depth = 0.0, force = 0.0;
-        for (int i = 0; i < 900; ++i) {
-          REQUIRE(bench.press(5.0));
-          if (i < 700) continue;
-          depth += bench.depth() / 200.0;
-          force += bench.force() / 200.0;
-        }
+        const auto [height, force] = restUnder(bench, 5.0, 900);
         INFO((spring ? "spring, " : "") << stiffness << " N/m, exponent " << exponent);
         CHECK(bench.haptics->frame().contacts.count == 2);
         CHECK(force == Approx(5.0).epsilon(0.01));
-        CHECK(2.0 * elasticForce(m, depth - (spring ? 0.5 * force / 1500.0 : 0.0)) == Approx(force).epsilon(0.01));
+        CHECK(2.0 * elasticForce(m, -height - (spring ? 0.5 * force / 1500.0 : 0.0)) == Approx(force).epsilon(0.01));
       }
 }
 
@@ -340,10 +331,13 @@ TEST_CASE("compliance: a layer breaks at its puncture force, and holds again aft
 TEST_CASE("compliance: a layer of a solid ends where the next one begins, also after a cut", "[compliance]") {
   constexpr double kCell = 1e-4, kDeep = 8e-4, kCut = 3e-4, kRadius = 5e-4;  // m
   Material soft = layer(500.0, 1.5, kInfinity, 1.0);
-  const auto solid = std::make_shared<Solid>(
-      MeshModel(test::boxMesh({3e-3, 3e-3, 2e-3})),
-      std::vector<SolidLayer>{{"caries", soft, 1e8, 0.0, nullptr}, {"dentine", Material{}, 6e8, kDeep, nullptr}},
-      SolidOptions{kCell});
+  const auto tooth = [&] {
+    return std::make_shared<Solid>(
+        MeshModel(test::boxMesh({3e-3, 3e-3, 2e-3})),
+        std::vector<SolidLayer>{{"caries", soft, 1e8, 0.0, nullptr}, {"dentine", Material{}, 6e8, kDeep, nullptr}},
+        SolidOptions{kCell});
+  };
+  const auto solid = tooth();
   Bench::Setting setting;
   setting.device = "tau-nominal.toml";
   setting.obstacle.name = "tooth";
@@ -363,13 +357,8 @@ TEST_CASE("compliance: a layer of a solid ends where the next one begins, also a
       setting.start.z() -= removed;
     }
     Bench bench(setting);
-    double depth = 0.0, force = 0.0;
-    for (int i = 0; i < 900; ++i) {
-      REQUIRE(bench.press(4.0));
-      if (i < 700) continue;
-      depth -= (bench.tool().position.z() + removed) / 200.0;
-      force += bench.force() / 200.0;
-    }
+    const auto [height, force] = restUnder(bench, 4.0, 900);
+    const double depth = -height - removed;
     const Contact& contact = bench.haptics->frame().contacts.contacts[0];
     INFO("removed " << removed << " m, thickness " << contact.material.thickness << " m");
     CHECK(contact.material.thickness == Approx(kDeep - removed).margin(0.51 * kCell));
@@ -382,11 +371,7 @@ TEST_CASE("compliance: a layer of a solid ends where the next one begins, also a
   }
   // A thinner layer in the file remains so thin.
   soft.thickness = 2e-4;  // less than the layer
-  const auto thin = std::make_shared<Solid>(
-      MeshModel(test::boxMesh({3e-3, 3e-3, 2e-3})),
-      std::vector<SolidLayer>{{"biofilm", soft, 1e8, 0.0, nullptr}, {"dentine", Material{}, 6e8, kDeep, nullptr}},
-      SolidOptions{kCell});
-  setting.obstacle.shape = std::shared_ptr<const Solid>(thin);
+  setting.obstacle.shape = std::shared_ptr<const Solid>(tooth());
   setting.start.z() = 5e-5;
   Bench bench(setting);
   for (int i = 0; i < 300; ++i) REQUIRE(bench.press(4.0));

@@ -77,6 +77,7 @@ TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]
   model.growthKept = 0.9;
   model.growthSum = 1e-3;
   ModeData data{1e-3, 1, 1, {}, 0.3, 20.0, 0.15};
+  data.drive.rotorInertia = 0.2;
   Observer::State begin;
   fill(random, begin.part[0].x[0], sizeof begin / sizeof(double));
   begin.age = Lane{};
@@ -98,6 +99,9 @@ TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]
     steps.correct(data, model, 2, reading, s);
     steps.merge(s);
     steps.carry(model, command, reading, 0.1, s.mean);
+    steps.shift(data.drive, 3.0, 2e-4, s);
+    steps.advanceSensitivity(model, command, s.mean, s.byCable);
+    steps.pullBack(model, s.part[0].x);
     return steps.moments(s, row);
   };
   Observer::State wanted, found;

@@ -42,6 +42,15 @@ void requireRefused(const std::string& from, const std::string& to, const std::s
   CHECK_THROWS_WITH(parseScene(text.replace(at, from.size(), to), "scene.toml"), message);
 }
 
+// A file with one sphere, and further keys of it from line 8 on.
+SceneFile sphereWith(const std::string& keys) {
+  return parseScene(
+      "name = \"a\"\nstart = [0, 0, 0.1]\n[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\n"
+      "centre = [0, 0, 0]\nradius = 0.01\n" +
+          keys,
+      "s.toml");
+}
+
 }  // namespace
 
 TEST_CASE("the shipped scenes load, and the tool can reach what they hold", "[scene]") {
@@ -184,13 +193,7 @@ TEST_CASE("scene files: solids and burs", "[scene]") {
 }
 
 TEST_CASE("scene files: a suspension is read", "[scene]") {
-  const auto with = [](const std::string& keys) {
-    return parseScene(
-        "name = \"a\"\nstart = [0, 0, 0.1]\n[[obstacle]]\nname = \"tooth\"\nshape = \"sphere\"\n"
-        "centre = [0, 0, 0]\nradius = 0.01\n[obstacle.suspension]\n" +
-            keys,
-        "s.toml");
-  };
+  const auto with = [](const std::string& keys) { return sphereWith("[obstacle.suspension]\n" + keys); };
   const std::string mass = "inertia = [1, 1, 2, 0, 0, 3]\n";
   const SceneFile loose = with(mass), sprung = with(mass +
                                                     "stiffness = [1, 2, 3, 4, 5, 6]\ndamping = [0, 0, 7, 0, 0, 0]\n"
@@ -215,19 +218,12 @@ TEST_CASE("scene files: a suspension is read", "[scene]") {
 }
 
 TEST_CASE("scene files: a compliant layer is read", "[scene]") {
-  const auto with = [](const std::string& keys) {
-    return parseScene(
-        "name = \"a\"\nstart = [0, 0, 0.1]\n[[obstacle]]\nname = \"gum\"\nshape = \"sphere\"\n"
-        "centre = [0, 0, 0]\nradius = 0.01\n" +
-            keys,
-        "s.toml");
-  };
   const SceneFile file =
-      with("stiffness = 1500\nexponent = 1.5\nlayer_thickness = 0.002\nhysteresis = 0.8\npuncture_force = 2.5\n");
+      sphereWith("stiffness = 1500\nexponent = 1.5\nlayer_thickness = 0.002\nhysteresis = 0.8\npuncture_force = 2.5\n");
   const Material& gum = file.scene.obstacles()[0].material;
   CHECK((gum.stiffness == 1500.0 && gum.exponent == 1.5 && gum.thickness == 0.002));
   CHECK((gum.hysteresis == 0.8 && gum.puncture == 2.5 && gum.isLayer()));
-  const Material& linear = with("stiffness = 1500\n").scene.obstacles()[0].material;
+  const Material& linear = sphereWith("stiffness = 1500\n").scene.obstacles()[0].material;
   CHECK((!linear.isLayer() && std::isinf(linear.thickness) && std::isinf(linear.puncture)));
   const std::string soft = "stiffness = 1500\n";
   for (const auto& [keys, problem] :
@@ -241,7 +237,7 @@ TEST_CASE("scene files: a compliant layer is read", "[scene]") {
          "ground"},
         {std::string("hysteresis = 1\n"),
          "s.toml:8: obstacle[0].hysteresis: needs a finite \"stiffness\", but the material is rigid"}})
-    CHECK_THROWS_WITH(with(keys), problem);
+    CHECK_THROWS_WITH(sphereWith(keys), problem);
   // The same from programs, without a file.
   Scene scene;
   Obstacle ball{"ball", Sphere{0.01}, Pose{}, Vec6::Zero(), {}};

@@ -117,12 +117,7 @@ void ComplianceMemory::enter(const Scene& scene, const Tool& tool, ContactSnapsh
     isMoved = true;
     c.gap += c.material.thickness;
     c.compression = -1.0;
-    const Material ground;
-    c.material.stiffness = ground.stiffness;
-    c.material.exponent = ground.exponent;
-    c.material.thickness = ground.thickness;
-    c.material.hysteresis = ground.hysteresis;
-    c.material.puncture = ground.puncture;
+    c.material = {Material{}.stiffness, c.material.friction, c.material.slidingFriction, c.material.viscosity};
   }
   const auto first = contacts.contacts.begin();
   for (int i = 1; isMoved && i < contacts.count; ++i)  // the deepest first, as before; std::stable_sort allocates

@@ -19,6 +19,8 @@ struct ObserverSteps {
   using States = typename Observer::States;
 
   void (*carry)(const Model& model, const Lane& command, const Lane& matters, double scale, States& x) noexcept;
+  void (*advanceSensitivity)(const Model& model, const Lane& command, const States& x, States& d) noexcept;
+  void (*pullBack)(const Model& model, States& row) noexcept;
   void (*predict)(const ModeData& data, const Model& model, const Lane& command, const Lane& variance,
                   State& s) noexcept;
   void (*shift)(const Drive& drive, double stiffness, double seconds, State& s) noexcept;

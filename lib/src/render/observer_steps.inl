@@ -91,6 +91,27 @@ struct Steps {
     wide(x[kGrowth]) *= m.growthKept;
   }
 
+  // The derivative d of states x by ln(mass), after a tick. Its push scales too.
+  static void advanceSensitivity(const Model& m, const Lane& command, const States& x, States& d) noexcept {
+    advance(m, d);
+    for (int i = 0; i < kMech; ++i) {
+      wide(d[i]) += wide(m.slope[Numbers::kCommandAt + i]) * wide(command);
+      for (int j = 0; j < kFree; ++j) wide(d[i]) += wide(m.slope[i * kFree + j]) * wide(x[j]);
+    }
+  }
+
+  // A linear function of the states after a tick, as one of the present states.
+  static void pullBack(const Model& m, States& row) noexcept {
+    Wide before[kFree] = {};
+    for (int i = 0; i < kMech; ++i)
+      for (int j = 0; j < kFree; ++j) before[j] += wide(m.value[i * kFree + j]) * wide(row[i]);
+    before[kLag] += m.lagKept * wide(row[kLag]);
+    before[kPush] += wide(row[kPush]);
+    before[kGrowth] += m.growthSum * wide(row[kPush]) + m.growthKept * wide(row[kGrowth]);
+    for (int i = 0; i < kFree; ++i) wide(row[i]) = before[i];
+    std::memset(row[kScale], 0, sizeof row[kScale]);
+  }
+
   // x and P after a tick: P becomes G P G^T + Q with the transition G. Its column for ln(mass) is given by the slopes.
   static void propagate(const Model& m, const Lane& command, const Wide (&slope)[kMech], double scale,
                         const Wide (&Q)[Observer::kPairs], States& x, Pairs& P) noexcept {
@@ -471,18 +492,20 @@ struct Steps {
       first += s.weight[p] * m;
       second += s.weight[p] * (v + m * m);
     }
-    double byCable = 0.0;
     if constexpr (kMech == 4) {
       Wide sum = {};
       for (int i = 0; i < kScale; ++i) sum += wide(row[i]) * wide(s.byCable[i]);
+      double byCable = 0.0;
       for (int k = 0; k < static_cast<int>(s.modes); ++k) byCable += sum[k];
+      second += byCable * byCable * s.cableVariance;
     }
-    second += byCable * byCable * s.cableVariance;
     return {first, std::sqrt(std::max(0.0, second - first * first))};
   }
 };
 
 template <int kMech>
-constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry, Steps<kMech>::predict,    Steps<kMech>::shift,
-                                      Steps<kMech>::weigh, Steps<kMech>::likelihood, Steps<kMech>::correct,
-                                      Steps<kMech>::merge, Steps<kMech>::moments};
+constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry,      Steps<kMech>::advanceSensitivity,
+                                      Steps<kMech>::pullBack,   Steps<kMech>::predict,
+                                      Steps<kMech>::shift,      Steps<kMech>::weigh,
+                                      Steps<kMech>::likelihood, Steps<kMech>::correct,
+                                      Steps<kMech>::merge,      Steps<kMech>::moments};

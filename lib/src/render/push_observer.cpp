@@ -47,6 +47,7 @@ PushObserver<kMech>::PushObserver(const std::vector<ModeData>& designs, const Jo
   const double kept = std::exp(-lagOf(data_.drive) * data_.period);
   model_.lagKept = kept > std::numeric_limits<double>::epsilon() ? kept : 0.0;
   model_.growthKept = std::exp(-data_.period / kGrowthTime);
+  model_.stiffness = data_.drive.stiffness;
   model_.growthSum = kGrowthTime * (1.0 - model_.growthKept);
 }
 
@@ -68,6 +69,7 @@ void PushObserver<kMech>::forget(State& s) const noexcept {
   s.scale = s.cable = 0.0;
   s.scaleVariance = kScalePrior * kScalePrior;
   s.cableVariance = kMech == 4 ? kCablePrior * kCablePrior : 0.0;
+  std::memset(s.byCable, 0, sizeof s.byCable);
 }
 
 template <int kMech>
@@ -107,7 +109,7 @@ void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rat
       P[at(i + 1, i + 1)][k] = speed * speed;
     }
     if (kMech == 4) {
-      const double stretch = s.step[k] / stiffness(s);
+      const double stretch = s.step[k] / model_.stiffness;
       P[at(2, 2)][k] += stretch * stretch;
     }
     h.x[kGrowth][k] = 0.0;
@@ -123,7 +125,6 @@ template <int kMech>
 void PushObserver<kMech>::use(State& s, int design) const noexcept {
   s.design = design;
   forget(s);
-  std::memset(s.byCable, 0, sizeof s.byCable);
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     for (int p = 0; p < static_cast<int>(s.count); ++p) s.part[p].x[kScale][k] = 0.0;
     for (int i = 0; i < kScale; ++i) s.P[at(kScale, i)][k] = 0.0;
@@ -136,7 +137,10 @@ template <int kMech>
 void PushObserver<kMech>::refresh(State& s) noexcept {
   const double whole = std::exp(s.scale);
   const bool isStiffer = std::abs(s.cable - s.usedCable) > kStiffer;
-  if (isStiffer) s.usedCable = s.cable;
+  if (isStiffer) {
+    s.usedCable = s.cable;
+    stiffen(s);
+  }
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     const double wanted = s.inertia[k] * whole;
     if (!isStiffer && std::abs(wanted - s.used[k]) < kRefreshed * wanted) continue;
@@ -195,6 +199,7 @@ template <int kMech>
 void PushObserver<kMech>::reload(const State& s) noexcept {
   for (int k = 0; k < std::min(static_cast<int>(s.modes), kLanes); ++k)
     if (s.used[k] > 0.0) read(s, k);
+  stiffen(s);
 }
 
 template <int kMech>
@@ -227,7 +232,7 @@ void PushObserver<kMech>::predict(State& s, const Lane& command, const Lane& var
 
 template <int kMech>
 void PushObserver<kMech>::shift(State& s, double seconds) const noexcept {
-  steps<kMech>().shift(data_.drive, stiffness(s), seconds, s);
+  steps<kMech>().shift(data_.drive, model_.stiffness, seconds, s);
 }
 
 template <int kMech>
@@ -289,18 +294,13 @@ void PushObserver<kMech>::advance(const Lane& command, States& x) const noexcept
 
 template <int kMech>
 void PushObserver<kMech>::advanceSensitivity(const Lane& command, const States& x, States& d) const noexcept {
-  advance(Lane{}, d);
-  for (int i = 0; i < kMech; ++i) {
-    for (int k = 0; k < kLanes; ++k) d[i][k] += commandSensitivity(i)[k] * command[k];
-    for (int j = 0; j < kMech + 3; ++j)
-      for (int k = 0; k < kLanes; ++k) d[i][k] += model_.slope[i * (kMech + 3) + j][k] * x[j][k];
-  }
+  steps<kMech>().advanceSensitivity(model_, command, x, d);
 }
 
 template <int kMech>
 void PushObserver<kMech>::law(const State& s, const States& x, const Lane* pending, ControlLaw& law) const noexcept {
   const int older = data(s).delayHigh - data(s).delayLow;
-  const double compliance = kMech == 4 ? 1.0 / stiffness(s) : 0.0;
+  const double compliance = kMech == 4 ? 1.0 / model_.stiffness : 0.0;
   law.stiffness.fill(1.0);
   law.lead.fill(0.0);
   law.wouldBe.fill(0.0);
@@ -323,16 +323,7 @@ void PushObserver<kMech>::law(const State& s, const States& x, const Lane* pendi
 
 template <int kMech>
 void PushObserver<kMech>::pullBack(States& row) const noexcept {
-  States before = {};
-  for (int i = 0; i < kMech; ++i)
-    for (int j = 0; j < kMech + 3; ++j)
-      for (int k = 0; k < kLanes; ++k) before[j][k] += model_.value[i * (kMech + 3) + j][k] * row[i][k];
-  for (int k = 0; k < kLanes; ++k) {
-    before[kLag][k] += model_.lagKept * row[kLag][k];
-    before[kPush][k] += row[kPush][k];
-    before[kGrowth][k] += model_.growthSum * row[kPush][k] + model_.growthKept * row[kGrowth][k];
-  }
-  std::memcpy(row, before, sizeof before);
+  steps<kMech>().pullBack(model_, row);
 }
 
 template <int kMech>

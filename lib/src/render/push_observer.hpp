@@ -71,15 +71,16 @@ class PushObserver {
   struct Moments {
     double mean, deviation;
   };
-  // Numbers of the modes at the inertia in use, and their derivatives by ln(inertia).
+  // Numbers of the modes at the inertia and the stiffness in use, and their derivatives by ln(inertia).
   struct Model {
     alignas(64) double value[Numbers::kCount][kLanes];
     alignas(64) double slope[Numbers::kSlopes][kLanes];
     alignas(64) double byCable[kMech == 4 ? Numbers::kSlopes : 1][kLanes];  // by ln(stiffness)
     double lagKept, growthKept, growthSum;                                  // over a tick
+    double stiffness;                                                       // of the cables, N m/rad or N/m
   };
 
-  /// Designs that differ in the delay only. `unseen`: of each joint, as ModeTable().
+  /// Designs that differ in the delay only. `unseen`: of each joint, as gainTableOf().
   PushObserver(const std::vector<ModeData>& designs, const JointVector& unseen);
 
   /// Describe mode k: inertia, deviations of a step of the hand and of its tremor, rounding of a reading.
@@ -144,8 +145,8 @@ class PushObserver {
     return *gains_[static_cast<std::size_t>(s.design)][static_cast<std::size_t>(s.joint[k])];
   }
   void read(const State& s, int k) noexcept;
+  void stiffen(const State& s) noexcept { model_.stiffness = data_.drive.stiffness * std::exp(s.usedCable); }
   void forget(State& s) const noexcept;
-  double stiffness(const State& s) const noexcept { return data_.drive.stiffness * std::exp(s.usedCable); }
 
   std::vector<ModeData> designs_;
   ModeData data_;  // of the first

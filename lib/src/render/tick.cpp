@@ -103,11 +103,7 @@ Status HapticTick::findContacts(double time, double elapsed) noexcept {
   const Status status = scene_.findContacts(frame_.kinematics.pose, time, elapsed, frame_.contacts);
   if (status != Status::ok) return status;
   if (const double scale = mechanism_.scale(); scale != 1.0)  // materials are stated for forces at the hand
-    for (int i = 0; i < frame_.contacts.count; ++i) {
-      frame_.contacts.contacts[i].material.stiffness /= scale;
-      frame_.contacts.contacts[i].material.viscosity /= scale;
-      frame_.contacts.contacts[i].material.puncture /= scale;
-    }
+    for (int i = 0; i < frame_.contacts.count; ++i) scaleForces(frame_.contacts.contacts[i].material, 1.0 / scale);
   if (drill_ != nullptr) drill_->correct(frame_.contacts);
   scene_.motion().yieldAt(frame_.contacts, guard_.options().period, mechanism_.scale(), frame_.yield);
   sampleTime_ = time;

@@ -260,12 +260,8 @@ void Session::Impl::publish(const LoopTick& tick, const TickFrame& frame) noexce
   now.tick = tick;
   now.tick.normalForce *= scale();
   now.contacts = frame.contacts;
-  for (int i = 0; i < now.contacts.count; ++i) {  // as stated
-    Material& material = now.contacts.contacts[static_cast<std::size_t>(i)].material;
-    material.stiffness *= scale();
-    material.viscosity *= scale();
-    material.puncture *= scale();
-  }
+  for (int i = 0; i < now.contacts.count; ++i)  // as stated
+    scaleForces(now.contacts.contacts[static_cast<std::size_t>(i)].material, scale());
   now.wrench.setZero();
   const bool isKnown = tick.status == Status::ok || tick.status == Status::stopped;
   if (isKnown && k.gravity.size() > 0 && k.gravity.size() == frame.command.size()) {

@@ -30,6 +30,13 @@ inline constexpr double kLargestViscosity = 1000.0;
 inline constexpr double kLargestExponent = 10.0;     ///< of a material
 inline constexpr double kLargestHysteresis = 100.0;  ///< of a material, s/m
 
+/// Multiply the forces of a material by a factor, for a scene in another scale. Realtime: yes.
+inline void scaleForces(Material& material, double factor) noexcept {
+  material.stiffness *= factor;
+  material.viscosity *= factor;
+  material.puncture *= factor;
+}
+
 /// Throw Error, beginning with `name`, if a number of the material is outside its range. Realtime: no.
 void checkMaterial(const Material& material, const std::string& name);
 
