@@ -17,6 +17,7 @@
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/identify/device_text.hpp"
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/runtime/udp_device.hpp"
@@ -34,7 +35,8 @@ namespace {
 
 struct DeviceOptions {
   bool overwrite = false, spin = false;
-  std::string serve, connect, firstTouch, output = "first-touch", scene, key, record, renderer = kPositionControl;
+  std::string serve, connect, firstTouch, output = "first-touch", scene, key, record, learnt,
+                                          renderer = kPositionControl;
   ServeOptions server;
   double rate_Hz = 1000.0, duration = 0.0, force = kUnlimited;
 };
@@ -167,25 +169,6 @@ std::shared_ptr<std::atomic<int>> countLines() {
   return lines;
 }
 
-std::string toText(const Delay& delay) {
-  return fmt::format("{}{}", delay.low, delay.high > delay.low ? fmt::format("..{}", delay.high) : std::string());
-}
-
-// Print what position control has learnt from contact.
-void print(const PositionControlState& learnt, const Delay& stated) {
-  const auto say = [](const char* what, double factor, double deviation) {
-    const double interval = std::exp(1.96 * deviation);
-    fmt::print("{} {:.2f} times the file's (95 %: {:.2f} to {:.2f})", what, factor, factor / interval,
-               factor * interval);
-  };
-  say("position control learnt: mass", learnt.mass, learnt.deviation);
-  if (learnt.cableDeviation > 0.0) say(", stiffness of the cables", learnt.cable, learnt.cableDeviation);
-  const Delay delay{learnt.delayLow, learnt.delayHigh};
-  if (toText(delay) != toText(stated))
-    fmt::print(", delay {} instead of {} ticks: measure it with --first-touch", toText(delay), toText(stated));
-  fmt::print("\n");
-}
-
 // Watch a session until the end: print what happens to the device. Enter continues after a fault of the guard.
 void watch(Session& session, const std::string& url, double duration) {
   const auto lines = countLines();
@@ -269,7 +252,16 @@ void connect(const DeviceOptions& options) {
   }
   tally.count(session.haptics().frame());
   tally.print();
-  if (learnt) print(*learnt, delay);
+  if (learnt) {
+    fmt::print("position control learnt:\n{}", tableOf(*learnt));
+    if (learnt->delayLow != delay.low || learnt->delayHigh != delay.high)
+      fmt::print("the stated delay is {} ticks: measure it with --first-touch\n", toText(delay));
+  }
+  if (!options.learnt.empty()) {
+    if (!learnt) throw Error("--learnt: nothing is learnt without a contact of position control");
+    writeFile(options.learnt, learntText(session.opened().text, *learnt));
+    fmt::print("device file: {}\n", options.learnt);
+  }
   if (options.spin) {
     const RemovedVolume removed = session.snapshot().removed;
     fmt::print("removed {:.3f} mm^3\n", 1e9 * std::accumulate(removed.begin(), removed.end(), 0.0));
@@ -368,11 +360,16 @@ void addDevice(CLI::App& app) {
   command->add_option("--record", options->record, "file for the recording, for enamel replay and enamel export")
       ->needs(connect);
   command
+      ->add_option("--learnt", options->learnt,
+                   "file for a proposal at the end: the device file with the masses and cables that position control "
+                   "has learnt")
+      ->needs(connect);
+  command
       ->add_option("--max-force", options->force,
                    "largest force of the renderer on the tool, limited by the guard, N; with --first-touch 2 or less")
       ->default_str("no limit")
       ->excludes(serve);
-  addOverwrite(*command, options->overwrite, {"--record"});
+  addOverwrite(*command, options->overwrite, {"--record", "--learnt"});
   command->callback([options] { run(*options); });
 }
 

@@ -97,21 +97,26 @@ TEST_CASE("slips in a command line of device are told", "[device_command]") {
   refuses("--serve virtual: --duration 0.1 --scene /nowhere", "--scene");
   refuses("--serve virtual: --rate 100", "--rate");
   refuses("--connect virtual: --renderer nothing", "nothing");
+  const std::string learnt = folder / "learnt.toml";
+  refuses("--connect virtual: --renderer impedance --duration 0.1 --learnt '" + learnt + "'",
+          "--learnt: nothing is learnt");
+  CHECK_FALSE(std::filesystem::exists(learnt));
 }
 
 TEST_CASE("a virtual device runs in one process, and the forms of URLs are listed", "[device_command]") {
   const test::TemporaryFolder folder;
-  const std::string record = folder / "a.rec";
+  const std::string record = folder / "a.rec", learnt = folder / "learnt.toml";
   test::CommandResult result;
   for (const char* seconds : {"1", "4", "16"}) {  // on a busy machine ticks are late
-    result =
-        run("device --connect 'virtual:" + kStylus + "' --overwrite --record '" + record + "' --duration " + seconds);
+    result = run("device --connect 'virtual:" + kStylus + "' --overwrite --record '" + record + "' --learnt '" +
+                 learnt + "' --duration " + seconds);
     if (result.status == 0) break;
   }
   INFO(result.output);
   CHECK((result.status == 0 || result.output.find("stopped by the guard: ") != std::string::npos));
   CHECK(numberAfter(result.output, "ticks in contact ") > 0);
   CHECK(numberAfter(result.output, record + ", ") > 0);
+  CHECK_THAT(test::readFile(learnt), ContainsSubstring("masses: ") && ContainsSubstring("name = "));
   CHECK_THAT(run("devices").output, ContainsSubstring("virtual:FILE") && ContainsSubstring("udp://HOST:PORT"));
 }
 

@@ -3,8 +3,10 @@
 
 #include <cmath>
 
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/device/device_file.hpp"
 #include "enamel/identify/device_text.hpp"
 #include "identify/cogging.hpp"
 #include "identify/fit.hpp"
@@ -333,6 +335,37 @@ TEST_CASE("a Cartesian device with motors of rotation gets no friction in newton
   const std::string text = identifiedText(file, result);
   CHECK(imperfectionsOf(parseDevice(text, "identified")).currentBandwidth == 500.0);
   CHECK(text.find("coulomb_friction") == std::string::npos);
+}
+
+TEST_CASE("what position control has learnt becomes a device file", "[identify]") {
+  PositionControlState learnt;
+  learnt.mass = 1.2;
+  learnt.deviation = 0.05;
+  learnt.cable = 0.8;
+  learnt.cableDeviation = 0.1;
+  learnt.delayHigh = 2;
+  for (const char* name : {"tau-nominal.toml", "tau-detailed.toml", "delta.toml", "cartesian-3.toml",
+                           "cartesian-6.toml", "stylus.toml", "touch.toml"})
+    for (const double cable : {0.0, 1000.0}) {
+      INFO(name << ", cables of " << cable << " N m/rad or N/m");
+      std::string text = readFile(test::deviceFile(name));
+      const bool isStylus = name == std::string("stylus.toml") || name == std::string("touch.toml");
+      if (cable > 0.0 && isStylus) continue;  // cables need a motor on every axis
+      const bool needsRotor = parseDevice(text, name).index() == 2;
+      text = withValue(text, "imperfections.cable_stiffness", formatNumber(cable));
+      if (cable > 0.0 && needsRotor) text = withValue(text, "rotor_mass", "0.01");
+      const DeviceParameters before = parseDevice(text, name), after = parseDevice(learntText(text, learnt), "learnt");
+      CHECK(imperfectionsOf(after).cableStiffness == Approx(0.8 * cable));
+      const std::shared_ptr<const Mechanism> old = makeMechanism(before), now = makeMechanism(after);
+      const double rotor = old->limits().drive.rotorInertia;  // 0 in a rigid transmission
+      const auto rotors = rotor * Eigen::MatrixXd::Identity(old->joints(), old->joints());
+      const Eigen::MatrixXd wanted = rotors + 1.2 * (Eigen::MatrixXd(old->home().inertia) - rotors);
+      CHECK((Eigen::MatrixXd(now->home().inertia) - wanted).norm() < 1e-5 * wanted.norm());  // six digits are written
+    }
+  const std::string text = learntText(readFile(test::deviceFile("tau-detailed.toml")), learnt);
+  CHECK(text.find("#   masses: 1.200 times the file's (95 %: 1.088 to 1.324)\n") != std::string::npos);
+  CHECK(text.find("#   delay: 0..2 ticks\n") != std::string::npos);
+  CHECK_THROWS_AS(learntText("name = 1\n", learnt), ConfigurationError);
 }
 
 TEST_CASE("wrong wiring and wrong units get a diagnosis in words", "[identify]") {

@@ -39,6 +39,40 @@ struct AddMass {
   void operator()(CartesianParameters& p) const { p.mass += mass; }
 };
 
+struct ScaleMasses {
+  double factor;
+  bool isRigid;  // the rotors move with the links
+
+  template <typename Body>
+  void scale(Body& body) const {
+    body.mass *= factor;
+    body.inertia *= factor;
+  }
+  void scale(MotorParameters& motor) const { motor.rotorInertia *= isRigid ? factor : 1.0; }
+  void operator()(TauParameters& p) const {
+    for (ChainParameters& chain : p.chain) {
+      scale(chain.link1);
+      scale(chain.link2);
+    }
+    scale(p.platform);
+    scale(p.motor);
+  }
+  void operator()(DeltaParameters& p) const {
+    scale(p.upperLink);
+    p.bar.mass *= factor;
+    p.platform.mass *= factor;
+    scale(p.motor);
+  }
+  void operator()(CartesianParameters& p) const {
+    const double rotor = isRigid ? 0.0 : p.rotorMass;
+    const auto scaled = [&](double mass) { return rotor + factor * (mass - rotor); };
+    p.mass = scaled(p.mass);
+    for (double& mass : p.massTable.mass) mass = scaled(mass);
+    p.inertia *= factor;
+    if (isRigid) p.rotorMass *= factor;
+  }
+};
+
 struct Rotor {
   template <typename Device>
   double& operator()(Device& p) const {
@@ -108,5 +142,9 @@ void addDamping(DeviceParameters& parameters, const Vec6& damping) { std::visit(
 void addFriction(DeviceParameters& parameters, double friction) { std::visit(AddFriction{friction}, parameters); }
 
 void addMass(DeviceParameters& parameters, double mass) { std::visit(AddMass{mass}, parameters); }
+
+void scaleMasses(DeviceParameters& parameters, double factor) {
+  std::visit(ScaleMasses{factor, imperfectionsOf(parameters).cableStiffness == 0.0}, parameters);
+}
 
 }  // namespace enamel

@@ -1,10 +1,12 @@
 #include "enamel/identify/device_text.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <sstream>
 
 #include "core/message.hpp"
+#include "enamel/device/device_file.hpp"
 
 namespace enamel {
 namespace {
@@ -15,9 +17,9 @@ std::string rounded(double value) {
   return text;
 }
 
-std::string vectorText(const double* values, int count) {
+std::string vectorText(const double* values, std::size_t count) {
   std::string text = "[";
-  for (int i = 0; i < count; ++i) text += (i > 0 ? ", " : "") + rounded(values[i]);
+  for (std::size_t i = 0; i < count; ++i) text += (i > 0 ? ", " : "") + rounded(values[i]);
   return text + "]";
 }
 
@@ -39,7 +41,7 @@ std::string vectorOf(const std::string& key, const DeviceParameters& device) {
     return key == "platform.com" ? vectorText(tau->platform.com.data(), 3) : matrixText(tau->platform.inertia);
   const auto& cartesian = std::get<CartesianParameters>(device);
   if (key == "gravity") return vectorText(cartesian.gravity.data(), 3);
-  if (key == "platform.damping") return vectorText(cartesian.damping.data(), cartesian.axes);
+  if (key == "platform.damping") return vectorText(cartesian.damping.data(), static_cast<std::size_t>(cartesian.axes));
   return matrixText(cartesian.inertia);
 }
 
@@ -81,6 +83,58 @@ std::map<std::string, std::string> valuesOf(const Identification& result) {
   values["imperfections.lost_samples"] = rounded(result.lostSamples);
   if (e.cogging > 0.0) values["imperfections.cogging"] = rounded(e.cogging);
   return values;
+}
+
+// The same for all masses and inertias, except links of a TAU.
+struct MassesOf {
+  std::map<std::string, std::string> operator()(const TauParameters& p) const {
+    return {{"platform.mass", rounded(p.platform.mass)},
+            {"platform.inertia", matrixText(p.platform.inertia)},
+            {"motor.rotor_inertia", rounded(p.motor.rotorInertia)}};
+  }
+  std::map<std::string, std::string> operator()(const DeltaParameters& p) const {
+    return {{"platform.mass", rounded(p.platform.mass)},
+            {"upper_link.mass", rounded(p.upperLink.mass)},
+            {"upper_link.inertia", rounded(p.upperLink.inertia)},
+            {"bar.mass", rounded(p.bar.mass)},
+            {"motor.rotor_inertia", rounded(p.motor.rotorInertia)}};
+  }
+  std::map<std::string, std::string> operator()(const CartesianParameters& p) const {
+    const std::vector<double>& masses = p.massTable.mass;
+    std::map<std::string, std::string> values;
+    masses.empty() ? values["platform.mass"] = rounded(p.mass)
+                   : values["platform.mass_table"] = vectorText(masses.data(), masses.size());
+    if (p.axes == 6) values["platform.inertia"] = matrixText(p.inertia);
+    if (p.rotorMass > 0.0) values["rotor_mass"] = rounded(p.rotorMass);
+    return values;
+  }
+};
+
+std::string withLinks(std::string text, const DeviceParameters& device) {
+  if (const auto* tau = std::get_if<TauParameters>(&device))
+    for (int chain = 0; chain < 3; ++chain) {
+      text = withLink(text, chain, 1, tau->chain[static_cast<std::size_t>(chain)].link1);
+      text = withLink(text, chain, 2, tau->chain[static_cast<std::size_t>(chain)].link2);
+    }
+  return text;
+}
+
+// The text with lines of comment above it. Throws if it is not a device.
+std::string withComment(const std::string& head, const std::string& table, const std::string& text) {
+  std::string whole = head;
+  std::istringstream lines(table);
+  for (std::string line; std::getline(lines, line);) whole += "#   " + line + "\n";
+  whole += "\n" + text;
+  (void)makeMechanism(parseDevice(whole, "the new device file"));
+  return whole;
+}
+
+std::string factorOf(const char* name, double factor, double deviation) {
+  const double interval = std::exp(1.96 * deviation);
+  char text[120];
+  std::snprintf(text, sizeof(text), "%s: %.3f times the file's (95 %%: %.3f to %.3f)\n", name, factor,
+                factor / interval, factor * interval);
+  return text;
 }
 
 std::string lineOf(const Estimate& e) {
@@ -139,20 +193,31 @@ std::string identifiedText(const std::string& text, const Identification& result
   if (!result.isUsable()) throw Error("the device cannot be identified: " + result.problems.front());
   std::string changed = text;
   for (const auto& [key, value] : valuesOf(result)) changed = withValue(changed, key, value);
-  if (const auto* tau = std::get_if<TauParameters>(&result.device))
-    for (int chain = 0; chain < 3; ++chain) {
-      changed = withLink(changed, chain, 1, tau->chain[static_cast<std::size_t>(chain)].link1);
-      changed = withLink(changed, chain, 2, tau->chain[static_cast<std::size_t>(chain)].link2);
-    }
-  std::string head =
+  return withComment(
       "# Numbers estimated by enamel identify: value, 95 % interval, value of the file before. The torque constants "
       "are\n"
-      "# relative to their mean: with it, all masses, inertias and frictions may be wrong by one common factor.\n";
-  std::istringstream lines(tableOf(result));
-  for (std::string line; std::getline(lines, line);) head += "#   " + line + "\n";
-  changed = head + "\n" + changed;
-  (void)makeMechanism(parseDevice(changed, "the identified device"));
-  return changed;
+      "# relative to their mean: with it, all masses, inertias and frictions may be wrong by one common factor.\n",
+      tableOf(result), withLinks(changed, result.device));
+}
+
+std::string tableOf(const PositionControlState& learnt) {
+  std::string text = factorOf("masses", learnt.mass, learnt.deviation);
+  if (learnt.cableDeviation > 0.0) text += factorOf("stiffness of the cables", learnt.cable, learnt.cableDeviation);
+  return text + "delay: " + toText({learnt.delayLow, learnt.delayHigh}) + " ticks\n";
+}
+
+std::string learntText(const std::string& text, const PositionControlState& learnt) {
+  DeviceParameters device = parseDevice(text, "the device file");
+  scaleMasses(device, learnt.mass);
+  std::string changed = text;
+  for (const auto& [key, value] : std::visit(MassesOf{}, device)) changed = withValue(changed, key, value);
+  double& cables = imperfectionsOf(device).cableStiffness;
+  if (cables > 0.0) changed = withValue(changed, "imperfections.cable_stiffness", rounded(cables *= learnt.cable));
+  return withComment(
+      "# Numbers that position control has learnt in use: a proposal. One factor holds for all masses, except those "
+      "of\n"
+      "# rotors behind cables.\n",
+      tableOf(learnt), withLinks(changed, device));
 }
 
 }  // namespace enamel

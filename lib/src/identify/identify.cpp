@@ -86,10 +86,6 @@ bool slideDelay(Fit& fit) {
   return best != here;
 }
 
-std::string textOf(const Candidate& c) {
-  return std::to_string(c.low) + (c.high > c.low ? ".." + std::to_string(c.high) : "");
-}
-
 DelayEstimate chooseDelay(Fit& fit) {
   const int delayAt = fit.find("loop delay"), lagAt = fit.find("motor lag");
   const double value = fit.unknowns()[static_cast<std::size_t>(delayAt)].at(fit.x[delayAt]);
@@ -110,7 +106,7 @@ DelayEstimate chooseDelay(Fit& fit) {
   if (all.size() > 1) {
     result.evidence = all[1].misfit - all[0].misfit;
     result.isCertain = result.evidence > kCertain;
-    result.second = textOf(all[1]);
+    result.second = toText({all[1].low, all[1].high});
   }
   return result;
 }

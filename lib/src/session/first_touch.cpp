@@ -157,8 +157,7 @@ class Trial {
     if (!wall(soft, kImpedance, {{"stiffness", formatNumber(kSoftWall)}}, "a soft wall of 300 N/m", "")) return false;
     const auto [lowest, highest] = std::minmax_element(delays_.begin(), delays_.end());
     const int low = *lowest, high = *highest;
-    const std::string measured = std::to_string(low) + (high > low ? ".." + std::to_string(high) : "");
-    note("position control assumes the measured delay; add the option delay=" + measured + " to the URL");
+    note("position control assumes the measured delay; add the option delay=" + toText({low, high}) + " to the URL");
     PositionControlRenderer hard(positionControlFor(*opened_.mechanism, period, low, high));
     return wall(hard, kPositionControl, {{"delay", std::to_string(low)}, {"delay-high", std::to_string(high)}},
                 "a hard wall", options_.recording);

@@ -41,6 +41,10 @@ std::optional<Delay> readDelay(std::string_view text) noexcept {
   return delay;
 }
 
+std::string toText(const Delay& delay) {
+  return std::to_string(delay.low) + (delay.high > delay.low ? ".." + std::to_string(delay.high) : "");
+}
+
 Encoders::Encoders(const EncoderOptions& options, const JointVector& encoderStep, double period) noexcept
     : options_(options),
       encoderStep_(encoderStep),

@@ -43,6 +43,9 @@ void addDamping(DeviceParameters& parameters, const Vec6& damping);
 void addFriction(DeviceParameters& parameters, double friction);
 void addMass(DeviceParameters& parameters, double mass);
 
+/// Multiply masses and inertias of all bodies by a factor, except those of rotors behind cables. Realtime: no.
+void scaleMasses(DeviceParameters& parameters, double factor);
+
 /// Return the imperfections of the device file.
 const Imperfections& imperfectionsOf(const DeviceParameters& parameters) noexcept;
 Imperfections& imperfectionsOf(DeviceParameters& parameters) noexcept;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "enamel/identify/identify.hpp"
+#include "enamel/render/position_control.hpp"
 
 namespace enamel {
 
@@ -15,6 +16,14 @@ std::string withValue(const std::string& text, const std::string& key, const std
 /// hold, such as the delay, are comments at its beginning. `text` is that of the device file. Throws Error if the
 /// identification is not usable, and ConfigurationError if the result is not a device. Realtime: no.
 std::string identifiedText(const std::string& text, const Identification& result);
+
+/// Return the text of a device file with the masses and the stiffness of the cables that position control has learnt in
+/// use. A comment at its beginning has the factors, their 95 % intervals and the learnt delay. `text` is that of the
+/// device file that position control had. Throws ConfigurationError if the result is not a device. Realtime: no.
+std::string learntText(const std::string& text, const PositionControlState& learnt);
+
+/// Return the learnt factors and the delay as lines for people.
+std::string tableOf(const PositionControlState& learnt);
 
 /// Return the estimates as lines for people: value, interval, value before, and what is not seen.
 std::string tableOf(const Identification& result);

@@ -24,6 +24,9 @@ struct Delay {
 /// Read "N" or "LOW..HIGH", whole ticks in decimal digits. Empty: the text has another form. Realtime: no.
 std::optional<Delay> readDelay(std::string_view text) noexcept;
 
+/// Write a delay as readDelay() reads it: "N" if it is constant, otherwise "LOW..HIGH". Realtime: no.
+std::string toText(const Delay& delay);
+
 /// Largest delay, ticks.
 inline constexpr int kMaxDelay = 63;
 
