@@ -29,11 +29,11 @@ namespace enamel::app {
 namespace {
 
 struct IdentifyOptionsOfCommand {
-  std::vector<std::string> recordings;
+  std::vector<std::string> recordings, weighted;
   std::string device, output, plan, record, truth, plant, delay = "none", connect, report;
   bool makesPlan = false, overwrite = false;
   ExcitationOptions excitation;
-  double rate_Hz = 1000.0;
+  double rate_Hz = 1000.0, weight = 0.0;
   std::uint64_t seed = 1;
 };
 
@@ -149,10 +149,16 @@ void estimate(const IdentifyOptionsOfCommand& options) {
   std::vector<RecordedMotion> motions;
   for (const std::string& file : options.recordings)
     for (RecordedMotion& motion : loadMotions(file, joints)) motions.push_back(std::move(motion));
+  for (const std::string& file : options.weighted)
+    for (RecordedMotion& motion : loadMotions(file, joints)) {
+      motion.weight = options.weight;
+      motions.push_back(std::move(motion));
+    }
   const Identification result = identifyDevice(motions, device);
   if (!options.report.empty()) {
     std::vector<std::string> files = options.recordings;
     files.insert(files.begin(), options.device);
+    files.insert(files.end(), options.weighted.begin(), options.weighted.end());
     std::vector<WallExpectation> expected;
     if (result.isUsable())
       expected = expectWall(result.device, motions.front().period, std::max(2, result.delay.high), availableThreads());
@@ -196,6 +202,12 @@ void addIdentify(CLI::App& app) {
   command->add_option("recordings", options->recordings, "recordings of the device in free motion");
   command->add_option("--device", options->device, "device file (TOML); its numbers may be wrong")->required();
   command->add_option("--output", options->output, "device file with the estimates, or the plan");
+  CLI::Option* weight = command->add_option("--weight", options->weight, "known mass that was attached at the TCP, kg")
+                            ->check(CLI::Range(1e-3, 10.0));
+  CLI::Option* weighted = command->add_option("--weighted", options->weighted,
+                                              "recordings with --weight attached: they show the scale of all forces");
+  weight->needs(weighted);
+  weighted->needs(weight);
   command->add_flag("--plan", options->makesPlan, "design an excitation, and print the expected precision");
   command->add_option("--duration", options->excitation.duration, "duration of the plan, s")->capture_default_str();
   command->add_option("--rate", options->rate_Hz, "rate of the ticks, Hz")

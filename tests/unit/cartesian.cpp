@@ -243,7 +243,8 @@ TEST_CASE("cartesian: a bad file is refused with file, line, key, value and limi
   requireRefused("mass = 0.2", "mass = 0", "device.toml:10: platform.mass: is 0, must be greater than 0 kg and finite");
   requireRefused("mass = 0.2", "mass = 0.2\ndamping = [1, 2, 3, 4, 5, -6]",
                  "device.toml:11: platform.damping[5]: is -6, must be at least 0 N m s/rad and finite");
-  requireRefused("mass = 0.2", "mass = 0.2\ncom = [0, 0, 0]", "device.toml:11: platform.com: is not a known key");
+  requireRefused("mass = 0.2", "mass = 0.2\ncom = [0, 0, 0]",
+                 "device.toml:11: platform.com: is not a known key; possible are damping, inertia, mass, mass_table");
   requireRefused("[4e-4, 4e-4, 2e-4]", "[4e-4, 4e-4, 0]",
                  "device.toml:11: platform.inertia: has the principal moment 0, must be greater than 0 kg m^2 for a "
                  "device of 6 axes");

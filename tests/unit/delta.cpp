@@ -297,7 +297,8 @@ TEST_CASE("delta: a bad file is refused with file, line, key, value and limit", 
   requireRefused("d = 0.01125", "d = -0.01125",
                  "device.toml:9: geometry.d: is -0.01125, must be at least 0 m and finite");
   requireRefused("r = 0.03723\n", "", "device.toml:5: geometry.r: is missing");
-  requireRefused("s = -0.02733", "s = -0.02733\ng = 1", "device.toml:14: geometry.g: is not a known key");
+  requireRefused("s = -0.02733", "s = -0.02733\ng = 1",
+                 "device.toml:14: geometry.g: is not a known key; possible are a, b, c, d, e, f, phi_deg, r, s");
   requireRefused("105.0, ", "", "device.toml:14: geometry.phi_deg: has 2 elements, must be a list of 3 numbers");
   requireRefused("f = -0.025", "f = 0.1",
                  "device.toml:7: geometry.b: is 0.1025, must be greater than the offset |f - s| = 0.12733 m that the "

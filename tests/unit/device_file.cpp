@@ -88,7 +88,10 @@ TEST_CASE("optional keys default to zero and are read where they stand", "[devic
 }
 
 TEST_CASE("a bad device file is refused with file, line, key, value and limit", "[device_file]") {
-  requireRefused("elbow = 1", "elbow = 1\nelbwo = 1", "device.toml:9: chain[0].elbwo: is not a known key");
+  requireRefused("elbow = 1", "elbow = 1\nelbwo = 1",
+                 "device.toml:9: chain[0].elbwo: is not a known key; possible are base, elbow, link1, link2, platform");
+  requireRefused("com = [0.0, 0.0, 0.020]", "com = [0.0, 0.0, 0.020]\ndampng = [0, 0, 4, 0, 0, 0]",
+                 "device.toml:24: platform.dampng: is not a known key; is it damping?");
   requireRefused("mass = 0.120\n", "", "device.toml:21: platform.mass: is missing");
   for (const char* almost : {"mas", "masss", "mess", "amss", "mas s"})
     requireRefused("mass = 0.120\n", std::string("\"") + almost + "\" = 0.120\n",
@@ -148,7 +151,12 @@ TEST_CASE("imperfections are read, and refused beyond their range", "[device_fil
                  "device.toml:30: imperfections.mass_error: is 0.5, must be in 0 to 0.2 of the mass");
   requireRefused(motor, with("coulomb_friction = -1\n"),
                  "device.toml:30: imperfections.coulomb_friction: is -1, must be in 0 to 10 N m");
-  requireRefused(motor, with("springs = 1\n"), "device.toml:30: imperfections.springs: is not a known key");
+  requireRefused(
+      motor, with("springs = 1\n"),
+      "device.toml:30: imperfections.springs: is not a known key; possible are backlash, cable_damping, "
+      "cable_stiffness, cogging, "
+      "coulomb_friction, current_bandwidth, encoder_offset, jitter, length_error, lost_samples, mass_error, periods, "
+      "torque_ripple, torque_step");
   TauParameters device = test::nominal();
   device.imperfections.cableStiffness = 200.0;
   CHECK_NOTHROW(checkTau(device));

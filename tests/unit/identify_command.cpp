@@ -35,10 +35,17 @@ TEST_CASE("the commands of the page plan, play and estimate", "[identify]") {
     return test::runCommand("cd '" + (folder / "") + "' && '" + ENAMEL_TOOL + "' " + rest);
   };
   const std::vector<std::string> commands = commandsOfPage();
-  REQUIRE(commands.size() == 3);
+  REQUIRE(commands.size() == 4);
   std::string output;
   for (const std::string& command : commands) {
     const bool plans = command.find("--plan ") != std::string::npos;
+    if (command.find("--weighted ") != std::string::npos) {
+      std::string heavier = shipped, again = commands[1];
+      heavier.replace(heavier.find("mass = 0.045"), 12, "mass = 0.145");
+      test::writeFile(folder / "devices/heavier.toml", heavier);
+      again.replace(again.find("cartesian-3"), 11, "heavier").replace(again.find("run.rec"), 7, "heavy.rec");
+      REQUIRE(runHere(again.substr(again.find(' ') + 1)).status == 0);
+    }
     const auto result = runHere(command.substr(command.find(' ') + 1) + (plans ? " --duration 8" : ""));
     INFO(command << "\n" << result.output);
     REQUIRE(result.status == 0);
@@ -46,6 +53,10 @@ TEST_CASE("the commands of the page plan, play and estimate", "[identify]") {
     output = result.output;
   }
   CHECK(output.find("loop delay: 2 ticks\n") != std::string::npos);
+  const std::size_t scale = output.find("torque of all motors over the command");
+  REQUIRE(scale != std::string::npos);
+  CHECK(std::stod(output.substr(scale + std::string("torque of all motors over the command").size())) ==
+        Approx(1.0).epsilon(0.02));
   const auto found = std::get<CartesianParameters>(loadDevice(folder / "identified.toml"));
   CHECK(found.mass == Approx(0.045).epsilon(0.01));  // the file said 0.080; the interval is about 0.1 %
 
@@ -57,6 +68,7 @@ TEST_CASE("the commands of the page plan, play and estimate", "[identify]") {
   CHECK(report.substr(0, report.find("<script")).find("nan") == std::string::npos);
 
   const std::string device = "identify --device my-device.toml ";
+  CHECK(runHere(device + "run.rec --weight 0.1 --output x.toml").output.find("--weighted") != std::string::npos);
   CHECK(runHere(device + "--plan").output.find("--output is needed") != std::string::npos);
   CHECK(runHere(device + "--output x.toml").output.find("give one of --plan, --run PLAN, or recordings") !=
         std::string::npos);

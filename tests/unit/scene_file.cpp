@@ -272,7 +272,9 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
   requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, nan]",
                  "scene.toml:7: obstacle[0].normal[2]: is nan, must be finite");
   requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, 2.0]\nsize = [1, 1, 1]",
-                 "scene.toml:8: obstacle[0].size: is not a known key");
+                 "scene.toml:8: obstacle[0].size: is not a known key; possible are exponent, friction, hysteresis, "
+                 "layer_thickness, name, "
+                 "normal, point, puncture_force, shape, sliding_friction, stiffness, suspension, viscosity");
   requireRefused("name = \"box\"", "name = \"wall\"",
                  "scene.toml:9: obstacle[1].name: is \"wall\", which is also the name of another obstacle");
   requireRefused("size = [0.02, 0.03, 0.04]", "size = [0.02, 0.0, 0.04]",
@@ -284,8 +286,11 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
                  "scene.toml:15: obstacle[1].sliding_friction: is 0.4, must be in 0 to 0.3");
   requireRefused("friction = 0.3", "stiffness = 0",
                  "scene.toml:14: obstacle[1].stiffness: is 0, must be in 1 to 1e+09 N/m");
-  requireRefused("friction = 0.3", "friction = 0.3\ncolour = 1",
-                 "scene.toml:15: obstacle[1].colour: is not a known key");
+  requireRefused(
+      "friction = 0.3", "friction = 0.3\ncolour = 1",
+      "scene.toml:15: obstacle[1].colour: is not a known key; possible are centre, euler_deg, exponent, friction, "
+      "hysteresis, "
+      "layer_thickness, name, puncture_force, shape, size, sliding_friction, stiffness, suspension, viscosity");
   CHECK_THROWS_WITH(parseScene("name = \"a\"\nstart = [0, 0, 0]\nobstacle = []\n", "s.toml"),
                     "s.toml:3: obstacle: has 0 elements, must be 1 to 64");
   CHECK_THROWS_WITH(loadScene("/no/such/scene.toml"),

@@ -64,7 +64,10 @@ TomlTable::TomlTable(std::shared_ptr<const toml::table> root, const toml::table*
                      std::string path)
     : root_(std::move(root)), table_(table), file_(std::move(file)), path_(std::move(path)) {}
 
-bool TomlTable::has(std::string_view key) const { return table_->contains(key); }
+bool TomlTable::has(std::string_view key) const {
+  asked_.emplace(key);
+  return table_->contains(key);
+}
 
 int TomlTable::line(std::string_view path) const {
   for (std::string_view rest = path; !rest.empty();) {
@@ -82,6 +85,7 @@ void TomlTable::fail(std::string_view key, const std::string& problem) const {
 }
 
 const toml::node& TomlTable::require(std::string_view key) {
+  asked_.emplace(key);
   const toml::node* node = table_->get(key);
   if (node == nullptr) {
     for (const auto& [other, value] : *table_)
@@ -200,8 +204,12 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) {
 void TomlTable::finish() const {
   for (const auto& [key, node] : *table_) {
     if (read_.count(key.str()) != 0) continue;
+    std::string hint;
+    for (const std::string& known : asked_) hint += (hint.empty() ? "; possible are " : ", ") + known;
+    for (const std::string& known : asked_)
+      if (read_.count(known) == 0 && isAlmost(known, key.str())) hint = "; is it " + known + "?";
     throw ConfigurationError(file_, static_cast<int>(key.source().begin.line), fullKey(key.str()),
-                             "is not a known key");
+                             "is not a known key" + hint);
   }
 }
 

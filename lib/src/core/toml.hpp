@@ -61,7 +61,8 @@ class TomlTable {
   TomlTable table(std::string_view key);
   std::vector<TomlTable> tables(std::string_view key);
 
-  /// Reject keys that were not read. Throws ConfigurationError.
+  /// Reject keys that were not read. The message names a key that is one typing error away, or all keys that were asked
+  /// for. Throws ConfigurationError.
   void finish() const;
 
   /// Throw a ConfigurationError that names file, line and full key (or path, as for line()).
@@ -81,6 +82,7 @@ class TomlTable {
   std::string file_;
   std::string path_;  // "" or "chain[0].link1."
   std::set<std::string, std::less<>> read_;
+  mutable std::set<std::string, std::less<>> asked_;  // also those that the table does not have
 };
 
 /// Parse TOML text. `file` is used in messages. Throws ConfigurationError.

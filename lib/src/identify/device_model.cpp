@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kMassSpread = 0.7;       // of the logarithm: a factor of 2
 constexpr double kRatioSpread = 0.15;     // of a motor's torque
+constexpr double kScaleSpread = 0.3;      // of the logarithm: of the torque of all motors
 constexpr double kLagSpread = 5e-4;       // s
 constexpr double kDelaySpread = 3.0;      // ticks
 constexpr double kFrictionSpread = 0.03;  // of the largest effort
@@ -183,6 +184,32 @@ struct TakeImperfections {
   }
 };
 
+// A point mass at the TCP.
+struct Attach {
+  double mass;
+  void operator()(TauParameters& p) const {
+    const double whole = p.platform.mass + mass, reduced = p.platform.mass * mass / whole;
+    const Vec3 c = p.platform.com;
+    p.platform.inertia += reduced * (c.squaredNorm() * Mat3::Identity() - c * c.transpose());
+    p.platform.com *= p.platform.mass / whole;
+    p.platform.mass = whole;
+  }
+  void operator()(DeltaParameters& p) const { p.platform.mass += mass; }
+  void operator()(CartesianParameters& p) const {
+    p.mass += mass;
+    for (double& each : p.massTable.mass) each += mass;
+  }
+};
+
+// The moving parts of a model, without its drives.
+DeviceParameters bodiesOf(const DeviceModel& model) {
+  DeviceParameters bodies = model.device;
+  std::visit(TakeImperfections{}, bodies);
+  if (auto* tau = std::get_if<TauParameters>(&bodies)) scaleLinks(model.links, *tau);
+  if (model.hasCables()) removeRotors(bodies);
+  return bodies;
+}
+
 }  // namespace
 
 void scaleLinks(const std::array<double, 6>& factors, TauParameters& device) {
@@ -236,15 +263,17 @@ JointVector viscousFriction(const DeviceModel& model) {
   return friction;
 }
 
+std::shared_ptr<const Mechanism> weightedMechanism(const DeviceModel& model) {
+  DeviceParameters bodies = bodiesOf(model);
+  std::visit(Attach{model.weight}, bodies);
+  return makeMechanism(bodies);
+}
+
 ImperfectDevice deviceOf(const DeviceModel& model) {
-  DeviceParameters built = model.device;
   DeviceModel copy = model;
   ImperfectDevice device;
   device.rotorInertia = rotorInertiaOf(copy.device);
-  std::visit(TakeImperfections{}, built);
-  if (auto* device6 = std::get_if<TauParameters>(&built)) scaleLinks(model.links, *device6);
-  if (model.hasCables()) removeRotors(built);
-  device.mechanism = makeMechanism(built);
+  device.mechanism = makeMechanism(bodiesOf(model));
   device.imperfections = model.drive;
   device.imperfections.currentBandwidth = device.imperfections.torqueStep = 0.0;
   device.coulombFriction = model.coulomb;
@@ -261,6 +290,8 @@ ImperfectDevice deviceOf(const DeviceModel& model) {
 std::vector<Unknown> unknownsOf(const DeviceModel& model) {
   List list(model);
   std::visit(AddMechanism{list}, model.device);
+  list.factor(
+      kWeight, "kg", [](DeviceModel& m) -> double& { return m.weight; }, kScaleSpread);
   list.isOfDrives = true;
   const JointVector effort = makeMechanism(model.device)->limits().effort;
   addViscous(list, model, effort, isCartesian(model.device) ? "N s/m or N m s/rad" : "N m s/rad");

@@ -10,7 +10,8 @@
 
 namespace enamel::identify {
 
-inline constexpr double kComSpread = 0.01;     // m, of the platform
+inline constexpr double kComSpread = 0.01;  // m, of the platform
+inline constexpr const char* kWeight = "attached weight";
 inline constexpr double kGravitySpread = 1.0;  // m/s^2: an unbalanced remainder
 
 /// A device as the identification simulates it.
@@ -27,6 +28,7 @@ struct DeviceModel {
   std::array<double, 6> links = {1.0, 1.0, 1.0,
                                  1.0, 1.0, 1.0};  ///< of a TAU: factors of mass and inertia, chain by chain
   JointVector home;                               ///< readings at home without offset, rad or m
+  double weight = 0.0;  ///< attached at the TCP in some motions, kg: in the scale of the commands, as all masses
 
   bool hasCables() const noexcept { return drive.cableStiffness > 0.0; }
 };
@@ -43,6 +45,9 @@ JointVector torqueRatios(const DeviceModel& model);
 /// Return the viscous friction of each joint, N m s/rad or N s/m. Damping of a Cartesian device counts as friction of
 /// its axes.
 JointVector viscousFriction(const DeviceModel& model);
+
+/// Return the device's mechanism with the weight attached. Throws ConfigurationError if the numbers are impossible.
+std::shared_ptr<const Mechanism> weightedMechanism(const DeviceModel& model);
 
 /// Make the simulated device, without lag, delay, rounding of the torque and viscous friction. Throws
 /// ConfigurationError if the numbers are impossible.

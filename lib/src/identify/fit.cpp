@@ -93,9 +93,12 @@ void Fit::use(double begin, double end) {
 
 // Throws ConfigurationError if no device has these numbers, for example a tensor that breaks the triangle inequality.
 std::vector<PathDynamics> Fit::computePaths(const DeviceModel& model, double period, int interval) const {
-  const std::shared_ptr<const Mechanism> mechanism = deviceOf(model).mechanism;
+  const std::shared_ptr<const Mechanism> bare = deviceOf(model).mechanism,
+                                         weighted = model.weight > 0.0 ? weightedMechanism(model) : bare;
   std::vector<PathDynamics> paths;
-  for (const Piece& piece : pieces_) paths.push_back(dynamicsAlong(*mechanism, piece.route, period, interval, threads));
+  for (const Piece& piece : pieces_)
+    paths.push_back(
+        dynamicsAlong(piece.motion->weight > 0.0 ? *weighted : *bare, piece.route, period, interval, threads));
   return paths;
 }
 

@@ -22,6 +22,7 @@ constexpr double kCorners[] = {20.0, 60.0, 150.0, 400.0};  // Hz, of the first s
 constexpr double kFirstData = 4.0;                         // s, for them
 constexpr double kCoarseData = 8.0;                        // s, for the first steps
 constexpr double kMostData = 40.0;                         // s, for the last ones
+constexpr double kTurn = 10.0;                             // s, of a motion without and with a weight
 constexpr double kShare = 0.8;                             // of the data for the fit; the rest tests it
 constexpr double kLeastExplained = 0.9;                    // of the variance of each torque
 constexpr double kCertain = 30.0;                          // difference of the log likelihood to the second best delay
@@ -41,7 +42,8 @@ struct Candidate {
 Eigen::VectorXd startOf(const Fit& fit, double scale) {
   Eigen::VectorXd x = fit.x;
   for (std::size_t i = 0; i < fit.unknowns().size(); ++i)
-    if (fit.unknowns()[i].unit.rfind("kg", 0) == 0) x[static_cast<Eigen::Index>(i)] = -std::log(scale);
+    if (fit.unknowns()[i].unit.rfind("kg", 0) == 0 && fit.unknowns()[i].key != kWeight)
+      x[static_cast<Eigen::Index>(i)] = -std::log(scale);
   const Unknown& delay = fit.unknowns()[static_cast<std::size_t>(fit.find("loop delay"))];
   x[fit.find("loop delay")] = kFirstDelay / delay.scale;
   return x;
@@ -150,6 +152,18 @@ void addRatios(const Fit& fit, const Eigen::MatrixXd& covariance, std::vector<Es
   }
 }
 
+// A known weight shows the scale of all forces: it seems heavier if the motors are weaker than commanded.
+void addScale(const Fit& fit, const Eigen::MatrixXd& covariance, double weight, std::vector<Estimate>& estimates) {
+  const int at = fit.find(kWeight);
+  if (at < 0) return;
+  const Unknown& unknown = fit.unknowns()[static_cast<std::size_t>(at)];
+  const double deviation = std::sqrt(covariance(at, at));
+  const auto scaleAt = [&](double x) { return weight / unknown.at(x); };
+  estimates.push_back({"torque of all motors over the command", "", 1.0, scaleAt(fit.x[at]),
+                       scaleAt(fit.x[at] + kNormal * deviation), scaleAt(fit.x[at] - kNormal * deviation), false,
+                       deviation < kSeen * unknown.spread});
+}
+
 // Amplitude of cogging in each joint, from its two parts.
 void addCoggingAmplitudes(const Fit& fit, const Eigen::MatrixXd& covariance, std::vector<Estimate>& estimates) {
   const DeviceModel model = fit.model();
@@ -173,11 +187,12 @@ void addEstimates(Fit& fit, const DeviceModel& before, Identification& result) {
     const Unknown& unknown = fit.unknowns()[i];
     const auto k = static_cast<Eigen::Index>(i);
     if (unknown.key == "loop delay" || unknown.key.rfind("torque ratio", 0) == 0 ||
-        unknown.key.rfind("cogging", 0) == 0)
+        unknown.key.rfind("cogging", 0) == 0 || unknown.key == kWeight)
       continue;
     result.estimates.push_back(estimateOf(unknown, fit.x[k], std::sqrt(covariance(k, k)), unknown.value(file)));
   }
   addRatios(fit, covariance, result.estimates);
+  addScale(fit, covariance, before.weight, result.estimates);
   addCoggingAmplitudes(fit, covariance, result.estimates);
 }
 
@@ -185,6 +200,48 @@ double durationOf(const std::vector<RecordedMotion>& motions) {
   double sum = 0.0;
   for (const RecordedMotion& motion : motions) sum += static_cast<double>(motion.ticks()) * motion.period;
   return sum;
+}
+
+// The weight of the motions that have one; 0 if none has.
+double weightOf(const std::vector<RecordedMotion>& motions) {
+  double weight = 0.0;
+  int with = 0;
+  for (const RecordedMotion& motion : motions) {
+    require(motion.weight >= 0.0 && std::isfinite(motion.weight),
+            "the attached weight is " + formatNumber(motion.weight) + " kg, must be at least 0 kg");
+    if (motion.weight == 0.0) continue;
+    require(with++ == 0 || motion.weight == weight, "the recordings have different weights");
+    weight = motion.weight;
+  }
+  require(with == 0 || with < static_cast<int>(motions.size()),
+          "all recordings have the weight attached: one without it is needed as well");
+  return weight;
+}
+
+RecordedMotion part(const RecordedMotion& motion, Eigen::Index begin, Eigen::Index end) {
+  RecordedMotion part = motion;
+  part.time.assign(motion.time.begin() + begin, motion.time.begin() + end);
+  part.isSample.assign(motion.isSample.begin() + begin, motion.isSample.begin() + end);
+  part.command = motion.command.middleCols(begin, end - begin);
+  part.reading = motion.reading.middleCols(begin, end - begin);
+  return part;
+}
+
+// Motions without and with the weight take turns of kTurn, so that the fit and its test see both.
+std::vector<RecordedMotion> inTurn(const std::vector<RecordedMotion>& motions) {
+  std::vector<RecordedMotion> parts[2], all;  // without and with the weight
+  for (const RecordedMotion& motion : motions) {
+    const auto turn = static_cast<Eigen::Index>(kTurn / motion.period);
+    for (Eigen::Index begin = 0; begin < motion.ticks(); begin += turn) {
+      const bool isLast = motion.ticks() - begin < 2 * turn;
+      parts[motion.weight > 0.0 ? 1 : 0].push_back(part(motion, begin, isLast ? motion.ticks() : begin + turn));
+      if (isLast) break;
+    }
+  }
+  for (std::size_t i = 0; i < std::max(parts[0].size(), parts[1].size()); ++i)
+    for (const auto& kind : parts)
+      if (i < kind.size()) all.push_back(kind[i]);
+  return all;
 }
 
 // `end` is the end of the data of the fit, s.
@@ -224,15 +281,17 @@ DeviceParameters withDrive(DeviceModel model) {
 
 }  // namespace
 
-Identification identifyDevice(const std::vector<RecordedMotion>& motions, const DeviceParameters& device,
+Identification identifyDevice(const std::vector<RecordedMotion>& recorded, const DeviceParameters& device,
                               const IdentifyOptions& options) {
-  require(!motions.empty(), "the recordings have no motion of " + formatNumber(kShortestMotion) +
-                                " s without a gap and with the enable switch on");
-  for (const RecordedMotion& motion : motions)
-    require(motion.period == motions[0].period, "the recordings have different periods");
+  require(!recorded.empty(), "the recordings have no motion of " + formatNumber(kShortestMotion) +
+                                 " s without a gap and with the enable switch on");
   Identification result;
   result.device = device;
-  const DeviceModel file = modelOf(device);
+  DeviceModel file = modelOf(device);
+  file.weight = weightOf(recorded);
+  for (const RecordedMotion& motion : recorded)
+    require(motion.period == recorded[0].period, "the recordings have different periods");
+  const std::vector<RecordedMotion> motions = file.weight > 0.0 ? inTurn(recorded) : recorded;
   const Wiring wiring = checkWiring(file, motions);
   result.problems = wiring.problems;
   if (!result.isUsable()) return result;

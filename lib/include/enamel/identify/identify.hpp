@@ -3,6 +3,8 @@
 // The recorded commands move a simulated device. The numbers of the device file change until the simulated readings
 // agree with the recorded ones. Without a known force or mass the scale of all forces is unknown: the torque constants
 // of the motors and all masses can be wrong by one common factor. The motors' mean is therefore taken as correct.
+// Motions with a known weight at the TCP, and others without, show that factor. It does not change the device's
+// numbers.
 #pragma once
 
 #include <string>
@@ -69,7 +71,8 @@ struct IdentifyOptions {
 /// - Intervals hold for residuals of any spectrum. They do not cover effects that the model lacks.
 /// - Problems: motors that are swapped or have a wrong sign, wrong units, motions that show nothing.
 ///
-/// Throws Error if `motions` is empty, or the motions have different periods. Realtime: no.
+/// Throws Error if `motions` is empty, all of them have a weight, or they have different periods or weights.
+/// Realtime: no.
 Identification identifyDevice(const std::vector<RecordedMotion>& motions, const DeviceParameters& device,
                               const IdentifyOptions& options = {});
 

@@ -17,6 +17,7 @@ struct RecordedMotion {
   Eigen::MatrixXd reading;     ///< one row per joint, rad or m; interpolated at ticks without a sample
   std::vector<char> isSample;  ///< 1: the tick had a new sample; the first and the last tick have one
   bool isLimited = false;      ///< the guard limited the torque at some ticks
+  double weight = 0.0;         ///< known mass that was attached at the TCP, kg
 
   Eigen::Index ticks() const noexcept { return reading.cols(); }
 };
