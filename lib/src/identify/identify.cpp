@@ -22,7 +22,7 @@ constexpr double kCorners[] = {20.0, 60.0, 150.0, 400.0};  // Hz, of the first s
 constexpr double kFirstData = 4.0;                         // s, for them
 constexpr double kCoarseData = 8.0;                        // s, for the first steps
 constexpr double kMostData = 40.0;                         // s, for the last ones
-constexpr double kTurn = 10.0;                             // s, of a motion without and with a weight
+constexpr double kAlternation = 10.0;                      // s, of a motion without and with a weight
 constexpr double kShare = 0.8;                             // of the data for the fit; the rest tests it
 constexpr double kLeastExplained = 0.9;                    // of the variance of each torque
 constexpr double kCertain = 30.0;                          // difference of the log likelihood to the second best delay
@@ -227,11 +227,11 @@ RecordedMotion part(const RecordedMotion& motion, Eigen::Index begin, Eigen::Ind
   return part;
 }
 
-// Motions without and with the weight take turns of kTurn, so that the fit and its test see both.
+// Motions without and with the weight take turns of kAlternation, so that the fit and its test see both.
 std::vector<RecordedMotion> inTurn(const std::vector<RecordedMotion>& motions) {
   std::vector<RecordedMotion> parts[2], all;  // without and with the weight
   for (const RecordedMotion& motion : motions) {
-    const auto turn = static_cast<Eigen::Index>(kTurn / motion.period);
+    const auto turn = static_cast<Eigen::Index>(kAlternation / motion.period);
     for (Eigen::Index begin = 0; begin < motion.ticks(); begin += turn) {
       const bool isLast = motion.ticks() - begin < 2 * turn;
       parts[motion.weight > 0.0 ? 1 : 0].push_back(part(motion, begin, isLast ? motion.ticks() : begin + turn));
