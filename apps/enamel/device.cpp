@@ -173,9 +173,13 @@ std::string toText(const Delay& delay) {
 
 // Print what position control has learnt from contact.
 void print(const PositionControlState& learnt, const Delay& stated) {
-  const double interval = std::exp(1.96 * learnt.deviation);
-  fmt::print("position control learnt: mass {:.2f} times the file's (95 %: {:.2f} to {:.2f})", learnt.mass,
-             learnt.mass / interval, learnt.mass * interval);
+  const auto say = [](const char* what, double factor, double deviation) {
+    const double interval = std::exp(1.96 * deviation);
+    fmt::print("{} {:.2f} times the file's (95 %: {:.2f} to {:.2f})", what, factor, factor / interval,
+               factor * interval);
+  };
+  say("position control learnt: mass", learnt.mass, learnt.deviation);
+  if (learnt.cableDeviation > 0.0) say(", stiffness of the cables", learnt.cable, learnt.cableDeviation);
   const Delay delay{learnt.delayLow, learnt.delayHigh};
   if (toText(delay) != toText(stated))
     fmt::print(", delay {} instead of {} ticks: measure it with --first-touch", toText(delay), toText(stated));

@@ -72,6 +72,7 @@ TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]
   Observer::Model model;
   fill(random, model.value[0], sizeof model.value / sizeof(double));
   fill(random, model.slope[0], sizeof model.slope / sizeof(double));
+  fill(random, model.byCable[0], sizeof model.byCable / sizeof(double));
   model.lagKept = 0.3;
   model.growthKept = 0.9;
   model.growthSum = 1e-3;
@@ -94,7 +95,7 @@ TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]
     s = begin;
     steps.predict(data, model, command, variance, s);
     likelihood = steps.likelihood(2, model, reading, command, s);
-    steps.correct(2, reading, s);
+    steps.correct(data, model, 2, reading, s);
     steps.merge(s);
     steps.carry(model, command, reading, 0.1, s.mean);
     return steps.moments(s, row);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <mutex>
 #include <utility>
 
@@ -84,49 +85,106 @@ struct Design {
   Square cost;  // from now on
 };
 
-template <int kMech>
-ModeModel<kMech> modelAt(const ModeData& d, double unseen, double inertia, Design<kMech + 1>& design) {
-  constexpr int push = kMech + 1, growth = kMech + 2, inputs = kMech + 3, link = kMech - 2, kAll = kMech + 6;
-  const Matrix<kAll> middle = exponential<kAll>(continuous<kMech>(d.drive, inertia) * (0.5 * d.period / kSubsteps)),
-                     step = middle.lazyProduct(middle);
-  ModeModel<kMech> m = {};
-  Matrix<kAll> power = Matrix<kAll>::Identity();
-  // Sums over the substeps: remaining growth noise, effect of an onset, cost of the link's motion.
-  Matrix<kMech + 3> wander = Matrix<kMech + 3>::Zero();
-  Matrix<kMech + 2> H = Matrix<kMech + 2>::Zero();
-  const double perSubstep = 2.0 / kGrowthTime * d.period / kSubsteps, perBin = static_cast<double>(kBins) / kSubsteps;
+// Divide a tick into substeps. `visit` receives the index of each, the motion until its beginning, and that from there
+// to its middle. Returns the motion over the tick.
+template <int kMech, class Visit>
+Matrix<kMech + 6> overTick(const ModeData& d, double inertia, const Visit& visit) {
+  const Matrix<kMech + 6> middle = exponential<kMech + 6>(continuous<kMech>(d.drive, inertia) *
+                                                          (0.5 * d.period / kSubsteps)),
+                          step = middle.lazyProduct(middle);
+  Matrix<kMech + 6> power = Matrix<kMech + 6>::Identity();
   for (int i = 0; i < kSubsteps; ++i) {
+    visit(i, power, middle);
+    power = power.lazyProduct(step).eval();
+  }
+  return power;
+}
+
+template <int kMech>
+ModeModel<kMech> modelAt(const ModeData& d, double inertia) {
+  constexpr int push = kMech + 1, growth = kMech + 2, inputs = kMech + 3;
+  const double perSubstep = 2.0 / kGrowthTime * d.period / kSubsteps, perBin = static_cast<double>(kBins) / kSubsteps;
+  ModeModel<kMech> m = {};
+  Matrix<kMech + 3> wander = Matrix<kMech + 3>::Zero();  // remaining growth noise
+  const Matrix<kMech + 6> whole = overTick<kMech>(d, inertia, [&](int i, const auto& power, const auto& middle) {
     const Matrix<kMech + 3, 1> grown = power.col(growth).template head<kMech + 3>();
     wander += perSubstep * grown * grown.transpose();
     double* onset = m.onset[kBins - 1 - i * kBins / kSubsteps];
     for (int j = 0; j < kMech; ++j) onset[j] += perBin * power.row(j).dot(middle.col(push));
-    power = power.lazyProduct(step).eval();
-    Matrix<kMech + 2, 1> way;
-    way << power.row(link).template head<kMech + 1>().transpose(), power(link, inputs);
-    H += way * way.transpose() / kSubsteps;
-  }
-  const double reaction = reactionTime(d), whole = inertia + (kMech == 4 ? d.drive.rotorInertia : 0.0);
-  // The depth x, per unit largest force: until a command acts, and half an encoder step that no reading shows.
-  const double late = 0.5 * d.pushShare / (1.0 - d.pushShare) * reaction * reaction / whole;
-  H /= late * late + unseen * unseen;
-  H(kMech + 1, kMech + 1) += d.forceCost;
+  });
   for (int i = 0; i < kMech; ++i) {
-    for (int j = 0; j < kMech + 3; ++j) m.state[i][j] = power(i, j);
-    m.command[i] = power(i, inputs);
-    m.rotor[i] = power(i, inputs + 1);
-    m.link[i] = power(i, inputs + 2);
+    for (int j = 0; j < kMech + 3; ++j) m.state[i][j] = whole(i, j);
+    m.command[i] = whole(i, inputs);
+    m.rotor[i] = whole(i, inputs + 1);
+    m.link[i] = whole(i, inputs + 2);
   }
   const auto place = [](int i) { return i < kMech ? i : i + 1; };  // the lag has no noise
   for (int i = 0, n = 0; i < kMech + 2; ++i)
     for (int j = 0; j <= i; ++j) m.wander[n++] = wander(place(i), place(j));
-  const auto gains = design.gains(power.template topLeftCorner<kMech + 1, kMech + 1>(),
-                                  power.col(inputs).template head<kMech + 1>(), H);
+  return m;
+}
+
+template <int kMech>
+ModeGains<kMech> gainsAt(const ModeData& d, double unseen, double inertia, Design<kMech + 1>& design) {
+  constexpr int inputs = kMech + 3, link = kMech - 2;
+  Matrix<kMech + 2> H = Matrix<kMech + 2>::Zero();  // cost of the link's motion
+  const Matrix<kMech + 6> whole = overTick<kMech>(d, inertia, [&](int, const auto& power, const auto&) {
+    Matrix<kMech + 2, 1> way;
+    way << power.row(link).template head<kMech + 1>().transpose(), power(link, inputs);
+    H += way * way.transpose() / kSubsteps;
+  });
+  const double reaction = reactionTime(d), mass = inertia + (kMech == 4 ? d.drive.rotorInertia : 0.0);
+  // The depth x, per unit largest force: until a command acts, and half an encoder step that no reading shows.
+  const double late = 0.5 * d.pushShare / (1.0 - d.pushShare) * reaction * reaction / mass;
+  H /= late * late + unseen * unseen;
+  H(kMech + 1, kMech + 1) += d.forceCost;
+  const auto gains = design.gains(whole.template topLeftCorner<kMech + 1, kMech + 1>(),
+                                  whole.col(inputs).template head<kMech + 1>(), H);
+  ModeGains<kMech> m = {};
   for (int i = 0; i < gains.size(); ++i) (i <= kMech ? m.gain[i] : m.pending[i - kMech - 1]) = gains[i];
   return m;
 }
 
 const double kLowest = std::log(1e-7), kStep = 0.05;
 constexpr int kEntries = 415;  // up to 1e2
+
+template <class At>
+auto atAllInertias(const At& at) {
+  std::vector<decltype(at(1.0))> entries;
+  entries.reserve(kEntries);
+  for (int i = 0; i < kEntries; ++i) entries.push_back(at(std::exp(kLowest + i * kStep)));
+  return entries;
+}
+
+template <int kMech>
+std::vector<ModeModel<kMech>> modelsOf(const ModeData& data) {
+  return atAllInertias([&](double inertia) { return modelAt<kMech>(data, inertia); });
+}
+
+template <int kMech>
+std::vector<ModeGains<kMech>> gainsOf(const ModeData& data, double unseen) {
+  Design<kMech + 1> design(data.delayHigh - data.delayLow);
+  return atAllInertias([&](double inertia) { return gainsAt<kMech>(data, unseen, inertia, design); });
+}
+
+// Return the cached table of these numbers, or make it.
+template <class Entry, std::size_t n>
+std::shared_ptr<const InertiaTable<Entry>> shared(const std::array<double, n>& key,
+                                                  const std::function<std::vector<Entry>()>& make) {
+  constexpr std::size_t kKept = 64;
+  static std::mutex mutex;
+  // Most recently used last. The key contains everything that determines a table.
+  static std::vector<std::pair<std::array<double, n>, std::shared_ptr<const InertiaTable<Entry>>>> kept;
+  const std::lock_guard lock(mutex);
+  const auto found = std::find_if(kept.begin(), kept.end(), [&](const auto& entry) { return entry.first == key; });
+  if (found != kept.end()) {
+    std::rotate(found, found + 1, kept.end());
+  } else {
+    if (kept.size() == kKept) kept.erase(kept.begin());
+    kept.emplace_back(key, std::make_shared<const InertiaTable<Entry>>(make()));
+  }
+  return kept.back().second;
+}
 
 }  // namespace
 
@@ -162,17 +220,9 @@ ModeMotion<kMech> modeMotion(const Drive& drive, double inertia, double seconds)
   return motion;
 }
 
-template <int kMech>
-ModeTable<kMech>::ModeTable(const ModeData& data, double unseen) {
-  Design<kMech + 1> design(data.delayHigh - data.delayLow);
-  entries_.reserve(kEntries);
-  for (int i = 0; i < kEntries; ++i)
-    entries_.push_back(modelAt<kMech>(data, unseen, std::exp(kLowest + i * kStep), design));
-}
-
-template <int kMech>
-void ModeTable<kMech>::read(double logInertia, int lane, double (*value)[kLanes],
-                            double (*slope)[kLanes]) const noexcept {
+template <class Entry>
+void InertiaTable<Entry>::read(double logInertia, int lane, double (*value)[kLanes], double (*slope)[kLanes],
+                               int slopes) const noexcept {
   const double last = static_cast<double>(entries_.size() - 1);
   const double place = std::max(0.0, std::min((logInertia - kLowest) / kStep, last));  // NaN becomes 0
   const std::size_t i = std::min(static_cast<std::size_t>(place), entries_.size() - 2);
@@ -181,42 +231,41 @@ void ModeTable<kMech>::read(double logInertia, int lane, double (*value)[kLanes]
   std::memcpy(a, &entries_[i], sizeof a);
   std::memcpy(b, &entries_[i + 1], sizeof b);
   for (int n = 0; n < kNumbers; ++n) value[n][lane] = a[n] + share * (b[n] - a[n]);
-  for (int n = 0; n < kSlopes; ++n) slope[n][lane] = (b[n] - a[n]) / kStep;
+  for (int n = 0; n < slopes; ++n) slope[n][lane] = (b[n] - a[n]) / kStep;
 }
 
 template <int kMech>
-std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data, double unseen) {
-  constexpr std::size_t kKept = 64;
-  using Key = std::array<double, 10>;  // everything that determines a table
-  static std::mutex mutex;
-  static std::vector<std::pair<Key, std::shared_ptr<const ModeTable<kMech>>>> kept;  // most recently used last
+std::shared_ptr<const InertiaTable<ModeModel<kMech>>> modelTableOf(const ModeData& data) {
   const Drive& drive = data.drive;
-  const Key key = {data.period,
-                   static_cast<double>(data.delayLow),
-                   static_cast<double>(data.delayHigh),
-                   drive.bandwidth,
-                   drive.rotorInertia,
-                   drive.stiffness,
-                   drive.damping,
-                   data.pushShare,
-                   data.forceCost,
-                   unseen};
-  const std::lock_guard lock(mutex);
-  const auto found = std::find_if(kept.begin(), kept.end(), [&](const auto& entry) { return entry.first == key; });
-  if (found != kept.end()) {
-    std::rotate(found, found + 1, kept.end());
-  } else {
-    if (kept.size() == kKept) kept.erase(kept.begin());
-    kept.emplace_back(key, std::make_shared<const ModeTable<kMech>>(data, unseen));
-  }
-  return kept.back().second;
+  const std::array key = {data.period, drive.bandwidth, drive.rotorInertia, drive.stiffness, drive.damping};
+  return shared<ModeModel<kMech>>(key, [&] { return modelsOf<kMech>(data); });
+}
+
+template <int kMech>
+std::shared_ptr<const InertiaTable<ModeGains<kMech>>> gainTableOf(const ModeData& data, double unseen) {
+  const Drive& drive = data.drive;
+  const std::array key = {data.period,
+                          static_cast<double>(data.delayLow),
+                          static_cast<double>(data.delayHigh),
+                          drive.bandwidth,
+                          drive.rotorInertia,
+                          drive.stiffness,
+                          drive.damping,
+                          data.pushShare,
+                          data.forceCost,
+                          unseen};
+  return shared<ModeGains<kMech>>(key, [&] { return gainsOf<kMech>(data, unseen); });
 }
 
 template ModeMotion<2> modeMotion<2>(const Drive& drive, double inertia, double seconds);
 template ModeMotion<4> modeMotion<4>(const Drive& drive, double inertia, double seconds);
-template class ModeTable<2>;
-template class ModeTable<4>;
-template std::shared_ptr<const ModeTable<2>> modeTableOf<2>(const ModeData& data, double unseen);
-template std::shared_ptr<const ModeTable<4>> modeTableOf<4>(const ModeData& data, double unseen);
+template class InertiaTable<ModeModel<2>>;
+template class InertiaTable<ModeModel<4>>;
+template class InertiaTable<ModeGains<2>>;
+template class InertiaTable<ModeGains<4>>;
+template std::shared_ptr<const InertiaTable<ModeModel<2>>> modelTableOf<2>(const ModeData& data);
+template std::shared_ptr<const InertiaTable<ModeModel<4>>> modelTableOf<4>(const ModeData& data);
+template std::shared_ptr<const InertiaTable<ModeGains<2>>> gainTableOf<2>(const ModeData& data, double unseen);
+template std::shared_ptr<const InertiaTable<ModeGains<4>>> gainTableOf<4>(const ModeData& data, double unseen);
 
 }  // namespace enamel

@@ -17,6 +17,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "enamel/device/mechanism.hpp"
@@ -59,8 +60,23 @@ struct ModeModel {
   double rotor[kMech], link[kMech];              ///< from a unit force on rotor or link, held for the period
   double onset[kBins][kMech];                    ///< mean effect of a unit push that begins anywhere in a bin
   double wander[(kMech + 2) * (kMech + 3) / 2];  ///< covariance (mechanical, push, growth) for a growth of deviation 1
-  double gain[kMech + 1];                        ///< for mechanical states and lag, delayLow ticks after a sample
-  double pending[kMostPending];                  ///< for the commands that may act instead, newest first
+};
+
+/// Gains of a mode of one inertia.
+template <int kMech>
+struct ModeGains {
+  double gain[kMech + 1];        ///< for mechanical states and lag, delayLow ticks after a sample
+  double pending[kMostPending];  ///< for the commands that may act instead, newest first
+};
+
+/// Places of the numbers of a mode: ModeModel, then ModeGains.
+template <int kMech>
+struct ModeNumbers {
+  static constexpr int kCommandAt = kMech * (kMech + 3), kRotorAt = kCommandAt + kMech, kLinkAt = kRotorAt + kMech,
+                       kOnsetAt = kLinkAt + kMech, kWanderAt = kOnsetAt + kBins * kMech,
+                       kGainAt = sizeof(ModeModel<kMech>) / sizeof(double), kPendingAt = kGainAt + kMech + 1,
+                       kCount = kGainAt + sizeof(ModeGains<kMech>) / sizeof(double);
+  static constexpr int kSlopes = kRotorAt;  ///< numbers with derivatives
 };
 
 /// Motion of rotor, link and motor of a mode with a constant push: x(t + seconds) = state x(t) + command u + push p.
@@ -71,29 +87,29 @@ struct ModeMotion {
 template <int kMech>
 ModeMotion<kMech> modeMotion(const Drive& drive, double inertia, double seconds);
 
-/// ModeModel over ln(inertia), in even steps from 1e-7 to 1e2 kg m^2 or kg. Linear interpolation, accurate to 4e-4.
-template <int kMech>
-class ModeTable {
+/// ModeModel or ModeGains over ln(inertia), in even steps from 1e-7 to 1e2 kg m^2 or kg. Linear interpolation, accurate
+/// to 4e-4.
+template <class Entry>
+class InertiaTable {
  public:
-  static constexpr int kNumbers = sizeof(ModeModel<kMech>) / sizeof(double);
-  static constexpr int kCommandAt = kMech * (kMech + 3), kRotorAt = kCommandAt + kMech, kLinkAt = kRotorAt + kMech,
-                       kOnsetAt = kLinkAt + kMech, kWanderAt = kOnsetAt + kBins * kMech,
-                       kGainAt = kWanderAt + (kMech + 2) * (kMech + 3) / 2, kPendingAt = kGainAt + kMech + 1;
-  static constexpr int kSlopes = kRotorAt;  ///< numbers with derivatives
+  static constexpr int kNumbers = sizeof(Entry) / sizeof(double);
 
-  /// `unseen`: of a joint, as unseenOf().
-  ModeTable(const ModeData& data, double unseen);
+  explicit InertiaTable(std::vector<Entry> entries) : entries_(std::move(entries)) {}
 
-  /// Write the numbers at an inertia, and their derivatives by its logarithm, into a lane. Realtime: yes.
-  void read(double logInertia, int lane, double (*value)[kLanes], double (*slope)[kLanes]) const noexcept;
+  /// Write the numbers at an inertia, and the derivatives of the first `slopes` by its logarithm, into a lane.
+  /// Realtime: yes.
+  void read(double logInertia, int lane, double (*value)[kLanes], double (*slope)[kLanes] = nullptr,
+            int slopes = 0) const noexcept;
 
  private:
-  std::vector<ModeModel<kMech>> entries_;
+  std::vector<Entry> entries_;
 };
 
-/// Return the table of these data. Renderers with the same data share one; the last few are cached. Any thread.
-/// Realtime: no.
+/// Return the table of these data. Renderers with the same data share one; the last few are cached. `unseen`: of a
+/// joint, as unseenOf(). The models do not depend on the delay. Any thread. Realtime: no.
 template <int kMech>
-std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data, double unseen);
+std::shared_ptr<const InertiaTable<ModeModel<kMech>>> modelTableOf(const ModeData& data);
+template <int kMech>
+std::shared_ptr<const InertiaTable<ModeGains<kMech>>> gainTableOf(const ModeData& data, double unseen);
 
 }  // namespace enamel

@@ -21,10 +21,11 @@ struct ObserverSteps {
   void (*carry)(const Model& model, const Lane& command, const Lane& matters, double scale, States& x) noexcept;
   void (*predict)(const ModeData& data, const Model& model, const Lane& command, const Lane& variance,
                   State& s) noexcept;
+  void (*shift)(const Drive& drive, double stiffness, double seconds, State& s) noexcept;
   void (*weigh)(const Lane& innovation, const Lane& expected, const Lane& variance, const Lane& precision,
                 const Lane& largest, Evidence& seen) noexcept;  // a part of correct(), for its test
   double (*likelihood)(int read, const Model& model, const Lane& reading, const Lane& more, const State& s) noexcept;
-  void (*correct)(int read, const Lane& reading, State& s) noexcept;
+  void (*correct)(const ModeData& data, const Model& model, int read, const Lane& reading, State& s) noexcept;
   void (*merge)(State& s) noexcept;
   typename Observer::Moments (*moments)(const State& s, const States& row) noexcept;
 };

@@ -4,8 +4,9 @@
 
 constexpr double kJumpRate = 1.0;                           // steps of the hand per second
 constexpr double kLeastForce = 0.1;                         // share of a step: smallest force for the model error
-constexpr double kScaleWander = 0.03;                       // deviation of ln(mass) per root second
-constexpr double kMostScale = 0.5;                          // limit of ln(mass)
+constexpr double kScaleWander = 0.03;                       // deviation of ln(mass), ln(stiffness) per root second
+constexpr double kMostScale = 0.5;                          // limit of both
+constexpr double kLargestFriction = 3.0;                    // its deviations
 constexpr double kForgotten = 4e-18, kLeastWeight = 1e-26;  // smallest weights: of a hypothesis, of the first one
 constexpr double kLeastLogarithm = -200.0;                  // of a likelihood
 
@@ -46,7 +47,7 @@ struct Steps {
   using Moments = typename Observer::Moments;
   using States = typename Observer::States;
   using Pairs = typename Observer::Pairs;
-  using Table = ModeTable<kMech>;
+  using Numbers = ModeNumbers<kMech>;
   static constexpr int kLag = Observer::kLag, kPush = Observer::kPush, kGrowth = Observer::kGrowth,
                        kScale = Observer::kScale, kStates = Observer::kStates, kFree = kMech + 3,
                        kMost = Observer::kMost;
@@ -56,7 +57,7 @@ struct Steps {
   static void slopes(const Model& m, const Lane& command, const Lane& matters, const States& x,
                      Wide (&slope)[kMech]) noexcept {
     for (int i = 0; i < kMech; ++i) {
-      slope[i] = wide(m.slope[Table::kCommandAt + i]) * wide(command);
+      slope[i] = wide(m.slope[Numbers::kCommandAt + i]) * wide(command);
       for (int j = 0; j <= kLag; ++j) slope[i] += wide(m.slope[i * kFree + j]) * wide(x[j]);
       slope[i] *= wide(matters);
     }
@@ -71,7 +72,7 @@ struct Steps {
   static void move(const Model& m, const Lane& command, const Wide (&slope)[kMech], double scale, States& x) noexcept {
     Wide forced[kMech];
     for (int i = 0; i < kMech; ++i)
-      forced[i] = wide(m.value[Table::kCommandAt + i]) * wide(command) + slope[i] * (wide(x[kScale]) - scale);
+      forced[i] = wide(m.value[Numbers::kCommandAt + i]) * wide(command) + slope[i] * (wide(x[kScale]) - scale);
     const Wide lag = (1.0 - m.lagKept) * wide(command);
     advance(m, x);
     for (int i = 0; i < kMech; ++i) wide(x[i]) += forced[i];
@@ -91,12 +92,11 @@ struct Steps {
   }
 
   // x and P after a tick: P becomes G P G^T + Q with the transition G. Its column for ln(mass) is given by the slopes.
-  static void propagate(const Model& m, const Lane& command, const Lane& matters, double scale,
+  static void propagate(const Model& m, const Lane& command, const Wide (&slope)[kMech], double scale,
                         const Wide (&Q)[Observer::kPairs], States& x, Pairs& P) noexcept {
     const double em = m.lagKept, eg = m.growthKept, cg = m.growthSum;
     const auto p = [&P](int i, int j) { return wide(P[at(i, j)]); };
-    Wide slope[kMech], half[kMech][kStates];
-    slopes(m, command, matters, x, slope);
+    Wide half[kMech][kStates];
     for (int i = 0; i < kMech; ++i)
       for (int j = 0; j < kStates; ++j) {
         half[i][j] = slope[i] * p(kScale, j);
@@ -165,6 +165,53 @@ struct Steps {
       for (int j = 0; j <= i; ++j, ++n) wide(P[n]) -= gain[i] * column[j];
   }
 
+  // The derivative of the states by ln(stiffness) after a tick. Its part for ln(mass) moves the modes by `slope`.
+  static void moveByCable(const Model& m, const Lane& command, const Wide (&slope)[kMech], State& s) noexcept {
+    Wide forced[kMech];
+    for (int i = 0; i < kMech; ++i) {
+      forced[i] = wide(m.byCable[Numbers::kCommandAt + i]) * wide(command) + slope[i] * wide(s.byCable[kScale]);
+      for (int j = 0; j < kFree; ++j) forced[i] += wide(m.byCable[i * kFree + j]) * wide(s.mean[j]);
+    }
+    advance(m, s.byCable);
+    for (int i = 0; i < kMech; ++i) wide(s.byCable[i]) += forced[i];
+  }
+
+  // Correct ln(stiffness), and all states with it, by what the hypotheses saw. `gain`: of the states. Averaging
+  // readings does not remove the rounding of encoders, nor friction. So a mode counts only if the uncertainty of the
+  // stiffness changes its reading by more than these. Modes are not independent: their information is averaged.
+  static void correctCable(const ModeData& data, const Model& m, int read, const Evidence* seen,
+                           const Wide (&gain)[kStates], State& s) noexcept {
+    const int count = static_cast<int>(s.count), modes = static_cast<int>(s.modes);
+    const double largest = kLargestFriction * data.drive.disturbance;
+    const Wide effect = wide(s.byCable[read]), friction = largest * wide(m.value[Numbers::kRotorAt + read]),
+               excess = effect * effect * s.cableVariance - friction * friction - wide(s.readingVariance);
+    for (int i = 0; i < kStates; ++i) wide(s.byCable[i]) = wide(s.byCable[i]) - gain[i] * effect;
+    double most = 0.0;
+    for (int k = 0; k < modes; ++k) most = std::max(most, excess[k]);
+    if (!(most > 0.0)) return;
+    Wide score = {}, information = {};
+    for (int p = 0; p < count; ++p) {
+      const Wide per = s.weight[p] * effect / wide(seen[p].variance);
+      score += per * wide(seen[p].innovation);
+      information += per * effect;
+    }
+    double sum = 0.0, squares = 0.0, scores = 0.0;
+    for (int k = 0; k < modes; ++k) {
+      if (!(excess[k] > 0.0)) continue;
+      sum += information[k];
+      squares += information[k] * information[k];
+      scores += score[k];
+    }
+    if (!(sum > 0.0)) return;
+    const double share = squares / (sum * sum);
+    s.cableVariance = 1.0 / (1.0 / s.cableVariance + share * sum);
+    const double cable = std::min(std::max(s.cable + s.cableVariance * share * scores, -kMostScale), kMostScale),
+                 change = cable - s.cable;
+    s.cable = cable;
+    for (int p = 0; p < count; ++p)
+      for (int i = 0; i < kStates; ++i) wide(s.part[p].x[i]) += change * wide(s.byCable[i]);
+  }
+
   // A tick under a command of some variance, and new hypotheses of a jump within it.
   static void predict(const ModeData& data, const Model& m, const Lane& command, const Lane& variance,
                       State& s) noexcept {
@@ -187,14 +234,21 @@ struct Steps {
     Wide Q[Observer::kPairs] = {};
     for (int i = 0, n = 0; i < kMech + 2; ++i)
       for (int j = 0; j <= i; ++j, ++n)
-        Q[at(i < kMech ? i : i + 1, j < kMech ? j : j + 1)] = growth * wide(m.value[Table::kWanderAt + n]);
+        Q[at(i < kMech ? i : i + 1, j < kMech ? j : j + 1)] = growth * wide(m.value[Numbers::kWanderAt + n]);
     for (int i = 0; i < kMech; ++i)
       for (int j = 0; j <= i; ++j)
-        Q[at(i, j)] += rotor * wide(m.value[Table::kRotorAt + i]) * wide(m.value[Table::kRotorAt + j]) +
-                       link * wide(m.value[Table::kLinkAt + i]) * wide(m.value[Table::kLinkAt + j]);
+        Q[at(i, j)] += rotor * wide(m.value[Numbers::kRotorAt + i]) * wide(m.value[Numbers::kRotorAt + j]) +
+                       link * wide(m.value[Numbers::kLinkAt + i]) * wide(m.value[Numbers::kLinkAt + j]);
     Q[at(kScale, kScale)] += kScaleWander * kScaleWander * data.period;
 
-    propagate(m, command, matters, s.scale, Q, s.part[0].x, s.P);
+    Wide slope[kMech];
+    slopes(m, command, matters, s.part[0].x, slope);
+    if constexpr (kMech == 4) {
+      moveByCable(m, command, slope, s);
+      s.cableVariance = std::min(s.cableVariance + kScaleWander * kScaleWander * data.period,
+                                 Observer::kCablePrior * Observer::kCablePrior);
+    }
+    propagate(m, command, slope, s.scale, Q, s.part[0].x, s.P);
     for (int p = 1; p < count; ++p) {
       carry(m, command, matters, s.scale, s.part[p].x);
       advance(m, s.part[p].g);
@@ -205,7 +259,7 @@ struct Steps {
       Hypothesis& h = s.part[count + b];
       std::memcpy(h.x, s.part[0].x, sizeof h.x);
       std::memset(h.g, 0, sizeof h.g);
-      std::memcpy(h.g, m.value + Table::kOnsetAt + b * kMech, kMech * sizeof h.g[0]);
+      std::memcpy(h.g, m.value + Numbers::kOnsetAt + b * kMech, kMech * sizeof h.g[0]);
       wide(h.g[kPush]) = 1.0;
       wide(h.v) = step * step;
       s.weight[count + b] = jumps / kBins * s.weight[0];
@@ -215,11 +269,50 @@ struct Steps {
     s.count = count + kBins;
   }
 
+  // A part of a tick, to the second order: Phi = I + t A + t^2 A^2 / 2 for positions, I + t A for speeds.
+  static void shift(const Drive& drive, double stiffness, double seconds, State& s) noexcept {
+    constexpr int link = kMech - 2;
+    Model m = {};
+    m.lagKept = m.growthKept = 1.0;
+    const Wide perLink = 1.0 / wide(s.used);
+    for (int i = 0; i < kMech; i += 2) {
+      Wide acceleration[kFree] = {};
+      if (kMech == 4) {
+        const Wide perMass = i == 0 ? Wide(-1.0 / drive.rotorInertia) : perLink;
+        acceleration[0] = stiffness * perMass;
+        acceleration[1] = drive.damping * perMass;
+        acceleration[link] = -acceleration[0];
+        acceleration[link + 1] = -acceleration[1];
+        if (i == 0) acceleration[kLag] = 1.0 / drive.rotorInertia;
+      } else {
+        acceleration[kLag] = perLink;
+      }
+      if (i == link) acceleration[kPush] = perLink;
+      for (int j = 0; j < kFree; ++j) {
+        wide(m.value[i * kFree + j]) = 0.5 * seconds * seconds * acceleration[j];
+        wide(m.value[(i + 1) * kFree + j]) = seconds * acceleration[j];
+      }
+      wide(m.value[i * kFree + i]) += 1.0;
+      wide(m.value[i * kFree + i + 1]) += seconds;
+      wide(m.value[(i + 1) * kFree + i + 1]) += 1.0;
+    }
+    const Wide none[kMech] = {}, quiet[Observer::kPairs] = {};
+    const Lane command{};
+    if constexpr (kMech == 4) {
+      const Wide stretch = wide(s.part[0].x[0]) - wide(s.part[0].x[link]);
+      advance(m, s.byCable);
+      for (int i = 0; i < kMech; ++i) wide(s.byCable[i]) += (wide(m.value[i * kFree]) - (i == 0 ? 1.0 : 0.0)) * stretch;
+    }
+    propagate(m, command, none, 0.0, quiet, s.part[0].x, s.P);
+    for (int p = 1; p < static_cast<int>(s.count); ++p) advance(m, s.part[p].x);
+    for (int p = 1; p < static_cast<int>(s.count); ++p) advance(m, s.part[p].g);
+  }
+
   // Logarithm of the likelihood of a reading of state `read`, up to a constant, if `more` had been added to the
   // command. The rounding counts as Gaussian.
   static double likelihood(int read, const Model& m, const Lane& reading, const Lane& more, const State& s) noexcept {
     const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
-    const Wide seen = wide(reading) - wide(m.value[Table::kCommandAt + read]) * wide(more);
+    const Wide seen = wide(reading) - wide(m.value[Numbers::kCommandAt + read]) * wide(more);
     double square[kMost], volume[kMost], least = 1e300, sum = 0.0;
     for (int p = 0; p < count; ++p) {
       const Hypothesis& h = s.part[p];
@@ -240,7 +333,7 @@ struct Steps {
   }
 
   // Correct every hypothesis and its weight by a reading of state `read`.
-  static void correct(int read, const Lane& reading, State& s) noexcept {
+  static void correct(const ModeData& data, const Model& m, int read, const Lane& reading, State& s) noexcept {
     static_assert(kMost <= kLanes, "one number for each hypothesis fits into a lane");
     const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
     // Weigh all readings first, so that the processor can overlap them.
@@ -282,6 +375,7 @@ struct Steps {
     double sum = 0.0;
     for (int p = 0; p < count; ++p) sum += s.weight[p] *= likelihood[p];
     for (int p = 0; p < count; ++p) s.weight[p] /= sum;
+    if constexpr (kMech == 4) correctCable(data, m, read, seen, gain, s);
   }
 
   // End old hypotheses, and sum up: mean, weights, scale.
@@ -337,6 +431,7 @@ struct Steps {
       const Wide e = wide(s.part[p].x[kScale]) - mean[kScale];
       variance += s.weight[p] * (wide(s.P[at(kScale, kScale)]) + e * e);
     }
+    if constexpr (kMech == 4) variance += s.cableVariance * wide(s.byCable[kScale]) * wide(s.byCable[kScale]);
     const Wide information = 1.0 / variance - kPrior;
     double sum = 0.0, squares = 0.0, weighted = 0.0;
     for (int k = 0; k < static_cast<int>(s.modes); ++k) {
@@ -376,11 +471,18 @@ struct Steps {
       first += s.weight[p] * m;
       second += s.weight[p] * (v + m * m);
     }
+    double byCable = 0.0;
+    if constexpr (kMech == 4) {
+      Wide sum = {};
+      for (int i = 0; i < kScale; ++i) sum += wide(row[i]) * wide(s.byCable[i]);
+      for (int k = 0; k < static_cast<int>(s.modes); ++k) byCable += sum[k];
+    }
+    second += byCable * byCable * s.cableVariance;
     return {first, std::sqrt(std::max(0.0, second - first * first))};
   }
 };
 
 template <int kMech>
-constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry,      Steps<kMech>::predict, Steps<kMech>::weigh,
-                                      Steps<kMech>::likelihood, Steps<kMech>::correct, Steps<kMech>::merge,
-                                      Steps<kMech>::moments};
+constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry, Steps<kMech>::predict,    Steps<kMech>::shift,
+                                      Steps<kMech>::weigh, Steps<kMech>::likelihood, Steps<kMech>::correct,
+                                      Steps<kMech>::merge, Steps<kMech>::moments};

@@ -130,8 +130,18 @@ void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
 
 template <int kMech>
 PositionControlState PositionControlRenderer::ControllerOf<kMech>::state() const noexcept {
-  const double deviation = memory_.started != 0.0 ? std::sqrt(memory_.observer.scaleVariance) : Observer::kScalePrior;
-  return {std::exp(memory_.observer.scale), deviation, memory_.push, memory_.ignored, memory_.merged, delay().low,
+  const typename Observer::State& s = memory_.observer;
+  const bool isStarted = memory_.started != 0.0;
+  return {std::exp(s.scale),
+          isStarted ? std::sqrt(s.scaleVariance) : Observer::kScalePrior,
+          std::exp(s.cable),
+          kMech == 2  ? 0.0
+          : isStarted ? std::sqrt(s.cableVariance)
+                      : Observer::kCablePrior,
+          memory_.push,
+          memory_.ignored,
+          memory_.merged,
+          delay().low,
           delay().low + delay().pending};
 }
 

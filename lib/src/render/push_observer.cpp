@@ -10,7 +10,7 @@
 namespace enamel {
 namespace {
 
-constexpr double kRefreshed = 2e-3;  // change of ln(inertia) that updates the model
+constexpr double kRefreshed = 2e-3, kStiffer = 1e-2;  // changes of ln(inertia), ln(stiffness) that update the model
 
 template <int kMech>
 const ObserverSteps<kMech>& steps() noexcept {
@@ -33,10 +33,15 @@ const ObserverSteps<kMech>& steps() noexcept {
 
 template <int kMech>
 PushObserver<kMech>::PushObserver(const std::vector<ModeData>& designs, const JointVector& unseen)
-    : designs_(designs), data_(designs.front()), table_(designs.size()), model_{} {
+    : designs_(designs), data_(designs.front()), gains_(designs.size()), model_{} {
   for (std::size_t i = 0; i < designs.size(); ++i)
     for (Eigen::Index j = 0; j < unseen.size(); ++j)
-      table_[i][static_cast<std::size_t>(j)] = modeTableOf<kMech>(designs[i], unseen[j]);
+      gains_[i][static_cast<std::size_t>(j)] = gainTableOf<kMech>(designs[i], unseen[j]);
+  for (int c = 0; c < kCables; ++c) {
+    ModeData data = data_;
+    data.drive.stiffness *= std::exp(kCableStep * (c - kCables / 2));
+    models_[static_cast<std::size_t>(c)] = modelTableOf<kMech>(data);
+  }
   (void)steps<kMech>();  // detects the processor now, not in a tick
   // Zero if it is negligible: its products with covariances would be denormal numbers, which take a third of a tick.
   const double kept = std::exp(-lagOf(data_.drive) * data_.period);
@@ -53,17 +58,23 @@ void PushObserver<kMech>::describe(State& s, int k, double inertia, double step,
   s.tremor[k] = tremor;
   s.readingVariance[k] = reading.variance;
   s.largestStep[k] = reading.largest;
-  const auto* before = &tableOf(s, k);
+  const auto* before = &gainsOf(s, k);
   s.joint[k] = reading.joint;
-  if (&tableOf(s, k) != before) s.used[k] = 0.0;  // refresh() reads the other table
+  if (&gainsOf(s, k) != before) s.used[k] = 0.0;  // refresh() reads the other table
+}
+
+template <int kMech>
+void PushObserver<kMech>::forget(State& s) const noexcept {
+  s.scale = s.cable = 0.0;
+  s.scaleVariance = kScalePrior * kScalePrior;
+  s.cableVariance = kMech == 4 ? kCablePrior * kCablePrior : 0.0;
 }
 
 template <int kMech>
 void PushObserver<kMech>::start(State& s, int modes, const Lane& reading) noexcept {
   s.modes = modes;
   s.count = 1.0;
-  s.scale = 0.0;
-  s.scaleVariance = kScalePrior * kScalePrior;
+  forget(s);
   for (int k = modes; k < kLanes; ++k) {
     s.inertia[k] = s.readingVariance[k] = s.largestStep[k] = 1.0;
     s.step[k] = s.tremor[k] = s.joint[k] = 0.0;
@@ -80,6 +91,7 @@ void PushObserver<kMech>::start(State& s, int modes, const Lane& reading) noexce
 template <int kMech>
 void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rate) const noexcept {
   s.count = 1.0;
+  std::memset(s.byCable, 0, sizeof s.byCable);
   Hypothesis& h = s.part[0];
   s.weight = s.age = Lane{};
   s.weight[0] = 1.0;
@@ -95,7 +107,7 @@ void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rat
       P[at(i + 1, i + 1)][k] = speed * speed;
     }
     if (kMech == 4) {
-      const double stretch = s.step[k] / data_.drive.stiffness;
+      const double stretch = s.step[k] / stiffness(s);
       P[at(2, 2)][k] += stretch * stretch;
     }
     h.x[kGrowth][k] = 0.0;
@@ -110,8 +122,8 @@ void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rat
 template <int kMech>
 void PushObserver<kMech>::use(State& s, int design) const noexcept {
   s.design = design;
-  s.scale = 0.0;
-  s.scaleVariance = kScalePrior * kScalePrior;
+  forget(s);
+  std::memset(s.byCable, 0, sizeof s.byCable);
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     for (int p = 0; p < static_cast<int>(s.count); ++p) s.part[p].x[kScale][k] = 0.0;
     for (int i = 0; i < kScale; ++i) s.P[at(kScale, i)][k] = 0.0;
@@ -123,9 +135,11 @@ void PushObserver<kMech>::use(State& s, int design) const noexcept {
 template <int kMech>
 void PushObserver<kMech>::refresh(State& s) noexcept {
   const double whole = std::exp(s.scale);
+  const bool isStiffer = std::abs(s.cable - s.usedCable) > kStiffer;
+  if (isStiffer) s.usedCable = s.cable;
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     const double wanted = s.inertia[k] * whole;
-    if (std::abs(wanted - s.used[k]) < kRefreshed * wanted) continue;
+    if (!isStiffer && std::abs(wanted - s.used[k]) < kRefreshed * wanted) continue;
     s.used[k] = wanted;
     // A push is known by the acceleration that it causes, so it scales with the mass.
     const double ratio = std::exp(s.scale - s.usedScale[k]);
@@ -137,8 +151,34 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
         s.part[p].g[i][k] *= grows(i);
       }
       for (int j = 0; j <= i; ++j) s.P[at(i, j)][k] *= grows(i) * grows(j);
+      s.byCable[i][k] *= grows(i);
     }
-    tableOf(s, k).read(std::log(wanted), k, model_.value, model_.slope);
+    read(s, k);
+  }
+}
+
+// Read the model of mode k at the inertia and the stiffness in use, and its derivatives.
+template <int kMech>
+void PushObserver<kMech>::read(const State& s, int k) noexcept {
+  const double inertia = std::log(s.used[k]);
+  gainsOf(s, k).read(inertia, k, model_.value + Numbers::kGainAt);
+  if constexpr (kMech == 2) {
+    models_[0]->read(inertia, k, model_.value, model_.slope, Numbers::kSlopes);
+  } else {
+    const double place = std::max(0.0, std::min(s.usedCable / kCableStep + kCables / 2, kCables - 1.0));
+    const auto i = static_cast<std::size_t>(std::min(place, kCables - 2.0));
+    const double share = place - static_cast<double>(i);
+    double other[Numbers::kGainAt][kLanes], slope[Numbers::kSlopes][kLanes];
+    models_[i]->read(inertia, k, model_.value, model_.slope, Numbers::kSlopes);
+    models_[i + 1]->read(inertia, k, other, slope, Numbers::kSlopes);
+    for (int n = 0; n < Numbers::kGainAt; ++n) {
+      const double more = other[n][k] - model_.value[n][k];
+      if (n < Numbers::kSlopes) {
+        model_.byCable[n][k] = more / kCableStep;
+        model_.slope[n][k] += share * (slope[n][k] - model_.slope[n][k]);
+      }
+      model_.value[n][k] += share * more;
+    }
   }
 }
 
@@ -154,7 +194,7 @@ bool PushObserver<kMech>::accepts(const State& s, int modes) const noexcept {
 template <int kMech>
 void PushObserver<kMech>::reload(const State& s) noexcept {
   for (int k = 0; k < std::min(static_cast<int>(s.modes), kLanes); ++k)
-    if (s.used[k] > 0.0) tableOf(s, k).read(std::log(s.used[k]), k, model_.value, model_.slope);
+    if (s.used[k] > 0.0) read(s, k);
 }
 
 template <int kMech>
@@ -174,7 +214,10 @@ void PushObserver<kMech>::rotate(State& s, int i, int j, double cosine, double s
     turnVariance(s.part[p].v.data());
   }
   for (double(&v)[kLanes] : s.P) turnVariance(v);
-  for (int n = 0; n < kScale; ++n) turn(s.mean[n]);
+  for (int n = 0; n < kScale; ++n) {
+    turn(s.mean[n]);
+    turn(s.byCable[n]);
+  }
 }
 
 template <int kMech>
@@ -184,9 +227,7 @@ void PushObserver<kMech>::predict(State& s, const Lane& command, const Lane& var
 
 template <int kMech>
 void PushObserver<kMech>::shift(State& s, double seconds) const noexcept {
-  for (int p = 0; p < static_cast<int>(s.count); ++p)
-    for (int i = 0; i < kMech; i += 2)
-      for (int k = 0; k < kLanes; ++k) s.part[p].x[i][k] += seconds * s.part[p].x[i + 1][k];
+  steps<kMech>().shift(data_.drive, stiffness(s), seconds, s);
 }
 
 template <int kMech>
@@ -211,7 +252,7 @@ double PushObserver<kMech>::effect(const State& s, const Lane& more) const noexc
   const int read = readState();
   double largest = 0.0;
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
-    const double moves = model_.value[ModeTable<kMech>::kCommandAt + read][k] * more[k];
+    const double moves = model_.value[Numbers::kCommandAt + read][k] * more[k];
     largest = std::max(largest, moves * moves / (s.P[at(read, read)][k] + s.readingVariance[k]));
   }
   return std::sqrt(largest);
@@ -226,14 +267,14 @@ template <int kMech>
 void PushObserver<kMech>::command(State& s, const Lane& more) const noexcept {
   for (int p = 0; p < static_cast<int>(s.count); ++p)
     for (int k = 0; k < kLanes; ++k) {
-      for (int i = 0; i < kMech; ++i) s.part[p].x[i][k] += model_.value[ModeTable<kMech>::kCommandAt + i][k] * more[k];
+      for (int i = 0; i < kMech; ++i) s.part[p].x[i][k] += model_.value[Numbers::kCommandAt + i][k] * more[k];
       s.part[p].x[kLag][k] += (1.0 - model_.lagKept) * more[k];
     }
 }
 
 template <int kMech>
 void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept {
-  steps<kMech>().correct(readState(), reading, s);
+  steps<kMech>().correct(data_, model_, readState(), reading, s);
 }
 
 template <int kMech>
@@ -259,6 +300,7 @@ void PushObserver<kMech>::advanceSensitivity(const Lane& command, const States& 
 template <int kMech>
 void PushObserver<kMech>::law(const State& s, const States& x, const Lane* pending, ControlLaw& law) const noexcept {
   const int older = data(s).delayHigh - data(s).delayLow;
+  const double compliance = kMech == 4 ? 1.0 / stiffness(s) : 0.0;
   law.stiffness.fill(1.0);
   law.lead.fill(0.0);
   law.wouldBe.fill(0.0);
@@ -266,11 +308,11 @@ void PushObserver<kMech>::law(const State& s, const States& x, const Lane* pendi
     const auto g = [&](int i) { return gain(i)[k]; };
     const double p = x[kPush][k] + 0.5 * data_.period * x[kGrowth][k];
     double asked = p + g(0) * x[0][k] + g(1) * x[1][k] + g(kMech) * (x[kLag][k] + p);
-    for (int j = 0; j < older; ++j) asked += model_.value[ModeTable<kMech>::kPendingAt + j][k] * (pending[j][k] + p);
+    for (int j = 0; j < older; ++j) asked += model_.value[Numbers::kPendingAt + j][k] * (pending[j][k] + p);
     double damping = g(1);
     law.stiffness[k] = g(0);
     if (kMech == 4) {
-      asked += g(0) * p / data_.drive.stiffness + g(2) * x[2][k] + g(3) * x[3][k];
+      asked += g(0) * p * compliance + g(2) * x[2][k] + g(3) * x[3][k];
       law.stiffness[k] += g(2);
       damping += g(3);
     }

@@ -7,11 +7,13 @@
 // push jumped in this part, by an unknown size in each mode. A jump of size 1 moves the states by g. So a hypothesis
 // has states x of its own and the covariance P + v g g^T, with the variance v of the size (Willsky and Jones 1976).
 // After two samples it is merged into the rest by its first two moments. All modes share the weights of the hypotheses.
-// Hypotheses of jumps do not update the mass (Schmidt's filter). The modes' estimates of the one mass are fused by
+// Hypotheses of jumps do not update the mass (Schmidt's filter). Behind cables, ln(stiffness / file's) is estimated
+// too, from the derivative of the states by it (Friedland 1969). The modes' estimates of the one mass are fused by
 // their information. A reading gives no information within the largest of its encoder steps (Steps::weigh()).
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "render/mode_table.hpp"
@@ -33,8 +35,10 @@ class PushObserver {
   static constexpr int kPairs = kStates * (kStates + 1) / 2;  // of a symmetric matrix
   static constexpr int kMost = 1 + 2 * kBins;                 // hypotheses
   static constexpr double kScalePrior = 0.3;                  // standard deviation of ln(mass) at the start
+  static constexpr double kCablePrior = 0.3;                  // of ln(stiffness of the cables)
   static constexpr int at(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
 
+  using Numbers = ModeNumbers<kMech>;
   using States = double[kStates][kLanes];
 
   using Pairs = double[kPairs][kLanes];
@@ -55,6 +59,9 @@ class PushObserver {
     Lane readingVariance, largestStep, joint;
     double count, modes, design;
     double scale, scaleVariance;  // ln(mass / model's)
+    // Cables: derivative of the mean by ln(stiffness / file's), that number, and its value in use.
+    States byCable;
+    double cable, cableVariance, usedCable;
   };
   /// Rounding of a mode's reading: its variance, the largest encoder step in it, and the joint with that step.
   struct Rounding {
@@ -66,9 +73,10 @@ class PushObserver {
   };
   // Numbers of the modes at the inertia in use, and their derivatives by ln(inertia).
   struct Model {
-    alignas(64) double value[ModeTable<kMech>::kNumbers][kLanes];
-    alignas(64) double slope[ModeTable<kMech>::kSlopes][kLanes];
-    double lagKept, growthKept, growthSum;  // over a tick
+    alignas(64) double value[Numbers::kCount][kLanes];
+    alignas(64) double slope[Numbers::kSlopes][kLanes];
+    alignas(64) double byCable[kMech == 4 ? Numbers::kSlopes : 1][kLanes];  // by ln(stiffness)
+    double lagKept, growthKept, growthSum;                                  // over a tick
   };
 
   /// Designs that differ in the delay only. `unseen`: of each joint, as ModeTable().
@@ -80,7 +88,8 @@ class PushObserver {
   void start(State& s, int modes, const Lane& reading) noexcept;
   /// Accept a reading and a rate that no hypothesis explains. Keeps the estimate of the mass.
   void believe(State& s, const Lane& reading, const Lane& rate) const noexcept;
-  /// Use another design, for another delay. Forgets the mass, because it was learnt with the commands of a wrong delay.
+  /// Use another design, for another delay. Forgets mass and stiffness: they were learnt with the commands of a wrong
+  /// delay.
   void use(State& s, int design) const noexcept;
   /// Update the model to the state's inertias and scale. reload(): restore the exact model of a saved state.
   void refresh(State& s) noexcept;
@@ -91,7 +100,7 @@ class PushObserver {
   void rotate(State& s, int i, int j, double cosine, double sine) const noexcept;
 
   /// Predict one tick under a command, with the hypotheses that branch off. variance: of the command, if it is not
-  /// known which one acts. shift(): a part of a tick, first order.
+  /// known which one acts. shift(): a part of a tick, second order.
   void predict(State& s, const Lane& command, const Lane& variance = {}) const noexcept;
   void shift(State& s, double seconds) const noexcept;
   /// Return the largest innovation of a mode, in deviations, by the hypothesis that fits best.
@@ -113,9 +122,7 @@ class PushObserver {
   /// Advance `d`, the derivative of states x by ln(mass), by a tick; the push scales too. Call it before advance().
   void advanceSensitivity(const Lane& command, const States& x, States& d) const noexcept;
   /// Return the derivative of mechanical state i, a tick later, by ln(mass), per unit command.
-  const double (&commandSensitivity(int i) const noexcept)[kLanes] {
-    return model_.slope[ModeTable<kMech>::kCommandAt + i];
-  }
+  const double (&commandSensitivity(int i) const noexcept)[kLanes] { return model_.slope[Numbers::kCommandAt + i]; }
   /// Return the law at the states x, delayLow ticks after the last sample. `pending`: older commands that may act then,
   /// as many as in the design, newest first.
   void law(const State& s, const States& x, const Lane* pending, ControlLaw& law) const noexcept;
@@ -129,16 +136,22 @@ class PushObserver {
   const ModeData& data(const State& s) const noexcept { return designs_[static_cast<std::size_t>(s.design)]; }
 
  private:
-  const double (&gain(int i) const noexcept)[kLanes] { return model_.value[ModeTable<kMech>::kGainAt + i]; }
+  static constexpr int kCables = kMech == 4 ? 11 : 1;  // stiffnesses with a table: factors of up to e^+-0.5
+  static constexpr double kCableStep = 0.1;            // between their logarithms
+  const double (&gain(int i) const noexcept)[kLanes] { return model_.value[Numbers::kGainAt + i]; }
 
-  const ModeTable<kMech>& tableOf(const State& s, int k) const noexcept {
-    return *table_[static_cast<std::size_t>(s.design)][static_cast<std::size_t>(s.joint[k])];
+  const InertiaTable<ModeGains<kMech>>& gainsOf(const State& s, int k) const noexcept {
+    return *gains_[static_cast<std::size_t>(s.design)][static_cast<std::size_t>(s.joint[k])];
   }
+  void read(const State& s, int k) noexcept;
+  void forget(State& s) const noexcept;
+  double stiffness(const State& s) const noexcept { return data_.drive.stiffness * std::exp(s.usedCable); }
 
   std::vector<ModeData> designs_;
   ModeData data_;  // of the first
-  // Of each design and joint.
-  std::vector<std::array<std::shared_ptr<const ModeTable<kMech>>, kMaxJoints>> table_;
+  // Of each design and joint; all for the file's stiffness, because another one hardly changes the gains.
+  std::vector<std::array<std::shared_ptr<const InertiaTable<ModeGains<kMech>>>, kMaxJoints>> gains_;
+  std::array<std::shared_ptr<const InertiaTable<ModeModel<kMech>>>, kCables> models_;  // of stiffnesses
   Model model_;
 };
 

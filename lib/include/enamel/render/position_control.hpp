@@ -53,11 +53,13 @@ void checkPositionControl(const PositionControlOptions& options);
 
 /// Estimates and counters of position control.
 struct PositionControlState {
-  double mass = 1.0;       ///< estimated mass of the links over the model's
-  double deviation = 0.0;  ///< standard deviation of ln(mass)
-  double push = 0.0;       ///< estimated push of the hand against the loaded contacts, N; 0: no push
-  double ignored = 0.0;    ///< samples ignored since reset() because no push explains them
-  double merged = 0.0;     ///< redundant contacts of the last tick: others already hold the tool
+  double mass = 1.0;            ///< estimated mass of the links over the model's
+  double deviation = 0.0;       ///< standard deviation of ln(mass)
+  double cable = 1.0;           ///< estimated stiffness of the cables over the model's; 1 without cables
+  double cableDeviation = 0.0;  ///< standard deviation of ln(cable)
+  double push = 0.0;            ///< estimated push of the hand against the loaded contacts, N; 0: no push
+  double ignored = 0.0;         ///< samples ignored since reset() because no push explains them
+  double merged = 0.0;          ///< redundant contacts of the last tick: others already hold the tool
   /// Likeliest delay of a command, ticks: learnt from contact, at first as in the options. Random in between if they
   /// differ.
   int delayLow = 0, delayHigh = 0;
