@@ -116,6 +116,21 @@ bool isSameObstacle(const Scene& before, const Scene& now, std::size_t number) n
   return isSame<0>(a.shape, b.shape);
 }
 
+const std::array<NamedTap, 4>& namedTaps() noexcept {
+  static constexpr std::array<NamedTap, 4> taps = {
+      {{"enamel", {310.0, 90.0}}, {"dentine", {190.0, 86.0}}, {"metal", {300.0, 90.0}}, {"plastic", {97.0, 80.0}}}};
+  return taps;
+}
+
+Tap tapOf(const std::string& name) {
+  std::string names;
+  for (const NamedTap& known : namedTaps()) {
+    if (name == known.name) return known.tap;
+    names += (names.empty() ? "\"" : ", \"") + std::string(known.name) + '"';
+  }
+  throw Error("is \"" + name + "\", must be one of " + names);
+}
+
 void checkMaterial(const Material& m, const std::string& name) {
   if (!(m.stiffness > 0.0) || !(m.friction >= 0.0 && m.friction <= 10.0) ||
       !(m.slidingFriction >= 0.0 && m.slidingFriction <= m.friction) ||
@@ -124,6 +139,13 @@ void checkMaterial(const Material& m, const std::string& name) {
                 ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to "
                 "friction, and a viscosity in 0 to " +
                 formatNumber(kLargestViscosity) + " N s/m");
+  const Tap& tap = m.tap;
+  const bool isOff = tap.frequency == 0.0 && tap.decay == 0.0;
+  if (!isOff && !(tap.frequency >= kLeastTapFrequency && tap.frequency <= kMostTapFrequency && tap.decay >= 0.0 &&
+                  tap.decay <= kMostTapDecay))
+    throw Error(name + ": the tap must have a frequency in " + formatNumber(kLeastTapFrequency) + " to " +
+                formatNumber(kMostTapFrequency) + " Hz and a decay in 0 to " + formatNumber(kMostTapDecay) +
+                " 1/s, or both 0");
 }
 
 double unusualSize(const Obstacle& obstacle, double scale) {

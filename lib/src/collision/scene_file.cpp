@@ -129,6 +129,30 @@ Obstacle readMesh(TomlTable& table, const std::string& sceneFile, SpareCapacity 
   return mesh;
 }
 
+// The keys `tap_frequency` and `tap_decay` replace numbers of the named tap, or give a tap together.
+void readTap(TomlTable& table, Tap& tap) {
+  const bool isNamed = table.has("tap");
+  if (isNamed) {
+    const std::string name = table.text("tap");
+    try {
+      tap = tapOf(name);
+    } catch (const Error& error) {
+      table.fail("tap", error.what());
+    }
+  }
+  const auto read = [&table, isNamed](const char* key, const char* other, double low, double high, const char* unit,
+                                      double& value) {
+    if (!table.has(key)) return;
+    value = table.number(key);
+    if (!(value >= low && value <= high))
+      table.fail(key, "is " + formatNumber(value) + ", must be in " + formatNumber(low) + " to " + formatNumber(high) +
+                          " " + unit);
+    if (!isNamed && !table.has(other)) table.fail(key, std::string("needs \"") + other + "\" or \"tap\" too");
+  };
+  read("tap_frequency", "tap_decay", kLeastTapFrequency, kMostTapFrequency, "Hz", tap.frequency);
+  read("tap_decay", "tap_frequency", 0.0, kMostTapDecay, "1/s", tap.decay);
+}
+
 // Every key is optional. The default is a rigid surface without friction.
 void readMaterial(TomlTable& table, Material& material) {
   const auto read = [&table](const char* key, double low, double high, const std::string& unit, double& value) {
@@ -143,6 +167,7 @@ void readMaterial(TomlTable& table, Material& material) {
   material.slidingFriction = material.friction;
   read("sliding_friction", 0.0, material.friction, "", material.slidingFriction);
   read("viscosity", 0.0, 1e3, " N s/m", material.viscosity);
+  readTap(table, material.tap);
 }
 
 std::shared_ptr<const Suspension> readSuspension(TomlTable& obstacle) {

@@ -1,10 +1,33 @@
 // Mechanical properties of a surface at a contact.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <string>
 
 namespace enamel {
+
+/// How a handle vibrates after a tap at v m/s: a(t) = v (B^2 + w^2) / w exp(-B t) sin(w t), w = 2 pi f. This force
+/// stops the tool. Sources: Okamura, Dennerlein and Howe 1998; Kuchenbecker, Fiene and Niemeyer 2006.
+struct Tap {
+  double frequency = 0.0;  ///< f, Hz; 0: no transient
+  double decay = 0.0;      ///< B, 1/s
+};
+
+/// Limits of a tap, Hz and 1/s.
+inline constexpr double kLeastTapFrequency = 10.0, kMostTapFrequency = 1000.0, kMostTapDecay = 2000.0;
+
+/// A tap with a name; lib/docs/taps.md has the sources.
+struct NamedTap {
+  const char* name;
+  Tap tap;
+};
+
+/// List the taps with names. Realtime: yes.
+const std::array<NamedTap, 4>& namedTaps() noexcept;
+
+/// Return the tap of a name. Throws Error for another name. Realtime: no.
+Tap tapOf(const std::string& name);
 
 /// Material of a surface. Default: rigid and without friction.
 struct Material {
@@ -12,6 +35,7 @@ struct Material {
   double friction = 0.0;         ///< mu_s, largest ratio of tangential to normal force at rest
   double slidingFriction = 0.0;  ///< mu_k while sliding, at most mu_s
   double viscosity = 0.0;        ///< on the sliding speed, N s/m
+  Tap tap = {};
 };
 
 /// Largest viscosity, N s/m: larger values make every tick unstable.

@@ -20,6 +20,8 @@ class TickScene {
   /// Return the scene with its obstacles where the last tick had them, and the tool. Realtime: yes.
   const Scene& scene() const noexcept { return motion_.scene(); }
   const Tool& tool() const noexcept { return tool_; }
+  /// Return whether a tap on the scene has a transient (Material::tap). Realtime: yes.
+  bool hasTaps() const noexcept { return hasTaps_; }
   const SceneMotion& motion() const noexcept { return motion_; }
   SceneMotion& motion() noexcept { return motion_; }
 
@@ -47,6 +49,7 @@ class TickScene {
   Tool tool_;
   SceneMotion motion_;
   ToolTrack track_;
+  bool hasTaps_;
 };
 
 }  // namespace enamel
