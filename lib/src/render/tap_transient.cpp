@@ -11,9 +11,23 @@ namespace enamel {
 namespace {
 
 constexpr double kLeastSpeed = 0.02;  // m/s: slower touches are presses, and encoder noise is not an impact
+constexpr double kNear = 2e-5;        // m: position control pushes from here on
 constexpr double kFollow = 0.5;       // filter gain per sample for the twist
 constexpr double kNewImpact = 2.0;    // a faster touch than this multiple of the vibration is another impact
+constexpr double kLeastGain = 0.5;    // of the cables: below it, an error of the resonance counts more than twice
 constexpr double kDecays = 6.0;       // times 1 / B: the end of a transient
+
+// Force of the motors that gives a vibration, over the force with rigid cables: 1 - (f / f_c)^2. f_c is the resonance
+// of rotors and links along the row.
+double gainOf(const ContactRow& row, const JointLimits& limits, double frequency) noexcept {
+  const Drive& drive = limits.drive;
+  if (!(drive.stiffness > 0.0)) return 1.0;
+  double square = 0.0;
+  for (const double response : row.response) square += response * response;
+  const double rotors = drive.rotorInertia * square * row.mass;  // share of the inertia
+  const double w = 2.0 * M_PI * frequency;
+  return 1.0 - w * w * drive.rotorInertia * (1.0 - rotors) / drive.stiffness;
+}
 
 bool hasTap(const Material& material) noexcept { return material.tap.frequency > 0.0; }
 
@@ -41,47 +55,75 @@ const Contact* TapTransient::contactOf(const TickFrame& frame) const noexcept {
   return nullptr;
 }
 
-// Start a transient if the tool will be inside a surface before the next command acts.
-void TapTransient::detect(const TickFrame& frame) noexcept {
+// Return the force along a normal of a command, counted from the newest.
+double TapTransient::sentAlong(const Vec3& normal, int command) const noexcept {
+  return normal.dot(Eigen::Map<const Vec3>(state_.sent[static_cast<std::size_t>(command)].data()));
+}
+
+// Start a transient if the tool will touch a surface before the end of the tick in which the next command acts.
+void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noexcept {
   State& s = state_;
   const Kinematics& k = frame.kinematics;
-  const double lead = (delay_ + frame.age) * period_;
+  const double T = period_;
   const Eigen::Map<const Vec6> twist(s.twist.data());
   bool isTouching = false;
   for (int i = 0; i < frame.contacts.count; ++i) {
     const Contact& c = frame.contacts.contacts[i];
     if (!hasTap(c.material)) continue;
     isTouching = isTouching || c.gap <= 0.0;
-    const Vec3 arm = c.point - k.pose.position;
-    const double speed = -c.normal.dot(translationAt(twist, arm) - c.obstacleVelocity);
+    const double speed = -c.normal.dot(translationAt(twist, c.point - k.pose.position) - c.obstacleVelocity);
     const double vibrates = s.obstacle < 0.0 ? 0.0 : s.speed * std::exp(-s.decay * s.elapsed);
-    if (s.touched != 0.0 || !(speed > std::max(kLeastSpeed, kNewImpact * vibrates)) || c.gap > speed * (lead + period_))
+    if (s.touched != 0.0 || !(speed > std::max(kLeastSpeed, kNewImpact * vibrates)) ||
+        c.gap > speed * (delay_ + frame.age + 1) * T + kNear)
       continue;
-    const double mass = effectiveMass(k, c.point, c.normal),
-                 most = std::min(largestForce(k, frame.maxTorque, c.point, c.normal),
-                                 largestForce(k, frame.maxTorque, c.point, -c.normal));
+    const double mass = frame.rows.row[i].mass, most = std::min(largestForce(k, frame.maxTorque, c.point, c.normal),
+                                                                largestForce(k, frame.maxTorque, c.point, -c.normal));
     if (!(mass > 0.0 && most > 0.0 && std::isfinite(mass + most))) continue;
-    const std::array<double, 6> kept = s.twist;
-    s = State{};
-    s.twist = kept;
-    Eigen::Map<Vec3>(s.normal.data()) = c.normal;
-    s.obstacle = c.obstacle;
-    s.speed = speed;
-    s.frequency = c.material.tap.frequency;
-    s.decay = c.material.tap.decay;
-    s.mass = mass;
-    s.most = most;
-    const double w = 2.0 * M_PI * s.frequency;
-    s.deflection = 2.0 * s.decay * speed / (s.decay * s.decay + w * w);  // the acceleration begins at 0
-    s.rate = -speed;
-    s.place = c.gap - speed * lead;
-    s.gap = c.gap;
+    double place = c.gap - speed * frame.age * T, rate = -speed;
+    std::array<double, kMaxLoopDelay + 1> moves{};
+    for (int pending = delay_ - 1; pending >= 0; --pending) {
+      const double change = sentAlong(c.normal, pending) * T / mass;
+      moves[static_cast<std::size_t>(pending)] = (rate + 0.5 * change) * T;
+      place += (rate + 0.5 * change) * T;
+      rate += change;
+    }
+    if (!(rate < 0.0) || place + rate * T > kNear) continue;
+    const double gain = gainOf(frame.rows.row[i], limits, c.material.tap.frequency);
+    if (gain < kLeastGain) continue;
+    State event;
+    event.twist = s.twist;
+    event.sent = s.sent;
+    event.added = s.added;
+    event.joints = s.joints;
+    event.moves = moves;
+    Eigen::Map<Vec3>(event.normal.data()) = c.normal;
+    event.obstacle = c.obstacle;
+    event.speed = -rate;
+    event.frequency = c.material.tap.frequency;
+    event.decay = c.material.tap.decay;
+    event.mass = mass;
+    event.most = most;
+    const double w = 2.0 * M_PI * event.frequency;
+    event.deflection = 2.0 * event.decay * event.speed / (event.decay * event.decay + w * w);  // no acceleration yet
+    event.rate = rate;
+    event.place = place;
+    event.gain = gain;
+    double step = 0.0;  // of the encoders along the normal
+    for (int j = 0; j < k.jacobian.cols(); ++j) {
+      const double row = frame.rows.row[i].normal[static_cast<std::size_t>(j)];
+      step = std::hypot(step, row * limits.encoderStep[j]);
+      if (limits.drive.stiffness > 0.0 && !limits.drive.encoderOnLink)
+        event.compliance += row * row / limits.drive.stiffness;
+    }
+    event.doubt = 0.5 * step * most;
+    event.gap = c.gap;
+    s = event;
     break;
   }
   if (frame.age == 0) s.touched = isTouching ? 1.0 : 0.0;
 }
 
-void TapTransient::move(TickFrame& frame, int delay, double period) noexcept {
+void TapTransient::move(TickFrame& frame, int delay, double period, const JointLimits& limits) noexcept {
   State& s = state_;
   delay_ = std::clamp(delay, 0, kMaxLoopDelay);
   period_ = period;
@@ -89,12 +131,15 @@ void TapTransient::move(TickFrame& frame, int delay, double period) noexcept {
   if (const Contact* contact = contactOf(frame); contact != nullptr && frame.age == 0) {
     double acted = 0.0;  // mean force since the last sample
     const int ticks = 1 + static_cast<int>(s.missed);
-    for (int i = 0; i < ticks; ++i) acted += s.sent[std::min(delay_ + i, kMaxLoopDelay)] / ticks;
-    s.energy -= acted * (contact->gap - s.gap);
-    s.gap = contact->gap;
+    for (int i = 0; i < ticks; ++i) acted += sentAlong(normalOf(s.normal), std::min(delay_ + i, kMaxLoopDelay)) / ticks;
+    const double gap = contact->gap - s.compliance * acted;  // of the link, if the encoders are on the rotors
+    s.energy -= acted * (gap - s.gap);
+    s.gap = gap;
+    if (s.energy < -s.doubt) s.rate = s.deflection = 0.0;  // the device does not move as predicted: vibrate no more
   }
   s.missed = frame.age;
-  detect(frame);
+  frame.added = Eigen::Map<const JointVector>(s.added.data(), static_cast<Eigen::Index>(s.joints));
+  detect(frame, limits);
   seen_ = frame.contacts.contacts;
   if (s.obstacle < 0.0) return;
   // Before the impact, the surface recedes before the tool.
@@ -113,6 +158,7 @@ void TapTransient::move(TickFrame& frame, int delay, double period) noexcept {
 void TapTransient::push(TickFrame& frame) noexcept {
   State& s = state_;
   std::copy_n(seen_.begin(), frame.contacts.count, frame.contacts.contacts.begin());
+  rendered_ = frame.output.torque;
   s.force = 0.0;
   if (s.obstacle < 0.0 || frame.output.mode == RenderMode::fault) return;
   const Contact* const contact = contactOf(frame);
@@ -128,11 +174,18 @@ void TapTransient::push(TickFrame& frame) noexcept {
   const double fades = std::exp(-B * part), cosine = std::cos(w * part), sine = std::sin(w * part) / w;
   const double deflection = fades * ((cosine + B * sine) * s.deflection + sine * s.rate),
                rate = fades * (-square * sine * s.deflection + (cosine - B * sine) * s.rate);
-  const double wanted = s.mass * (rate - s.rate) / T, possible = std::clamp(wanted, -s.most, s.most);
+  double possible = s.gain * s.mass * (rate - s.rate) / T;
+  const double wanted = possible;
+  if (std::abs(wanted) > s.gain * s.most) {
+    // Brake with all force, then vibrate as strongly as the motors can: with the speed of an acceleration `most`.
+    possible = std::copysign(s.most, wanted);
+    const double out = possible / s.mass / std::sqrt(square), after = s.rate + possible / s.mass * T;
+    if (after / out > 1.0) possible = s.mass * (out - s.rate) / T;
+  }
   // The share of it for which all forces give no more energy than is left: a s^2 + b s + c <= 0.
   const double others = normal.dot(wrenchOf(k, frame.output.torque - k.gravity).head<3>());
   double left = s.energy;
-  for (int i = 0; i < delay_; ++i) left -= s.sent[i] * s.moves[i];
+  for (int i = 0; i < delay_; ++i) left -= sentAlong(normal, i) * s.moves[i];
   const double a = possible * possible * T * T / (2.0 * s.mass),
                b = possible * s.rate * T + others * possible * T * T / (2.0 * s.mass), c = others * s.rate * T - left;
   double share = 1.0;
@@ -142,9 +195,11 @@ void TapTransient::push(TickFrame& frame) noexcept {
   if (s.force == wanted) {
     s.deflection = deflection;
     s.rate = rate;
-  } else {  // the oscillator slips
+  } else {  // the oscillator slips: it has the acceleration that is possible
     s.rate += s.force / s.mass * T;
-    s.deflection = -(s.force / s.mass + 2.0 * B * s.rate) / square;
+    const double peak = s.most / s.mass, speed = s.rate * std::sqrt(square),
+                 left = s.rate * s.force < 0.0 ? peak : std::sqrt(std::max(0.0, peak * peak - speed * speed));
+    s.deflection = -std::copysign(left, s.force) / square;
   }
   std::copy_backward(s.moves.begin(), s.moves.end() - 1, s.moves.end());
   s.moves[0] = 0.5 * (before + s.rate) * T;
@@ -160,16 +215,21 @@ void TapTransient::push(TickFrame& frame) noexcept {
 void TapTransient::sent(const TickFrame& frame) noexcept {
   State& s = state_;
   const Kinematics& k = frame.kinematics;
-  if (s.obstacle < 0.0 || frame.command.size() != k.gravity.size()) return;
+  const bool isSound = frame.command.size() == k.gravity.size() && rendered_.size() == k.gravity.size();
+  s.joints = isSound && s.obstacle >= 0.0 ? static_cast<double>(frame.command.size()) : 0.0;
+  for (int j = 0; j < static_cast<int>(s.joints); ++j) s.added[j] = frame.command[j] - rendered_[j];
   std::copy_backward(s.sent.begin(), s.sent.end() - 1, s.sent.end());
-  s.sent[0] = normalOf(s.normal).dot(wrenchOf(k, frame.command - k.gravity).head<3>());
+  Eigen::Map<Vec3> newest(s.sent[0].data());
+  newest.setZero();
+  if (isSound) newest = wrenchOf(k, frame.command - k.gravity).head<3>();
 }
 
 void TapTransient::saveState(double* state) const noexcept { std::memcpy(state, &state_, sizeof state_); }
 
 void TapTransient::loadState(const double* state) noexcept {
   std::memcpy(&state_, state, sizeof state_);
-  bool isSound = state_.obstacle < 0.0 || (state_.mass > 0.0 && state_.speed > 0.0 && state_.frequency > 0.0);
+  bool isSound = state_.joints >= 0.0 && state_.joints <= kMaxJoints;
+  isSound = isSound && (state_.obstacle < 0.0 || (state_.mass > 0.0 && state_.speed > 0.0 && state_.frequency > 0.0));
   for (std::size_t i = 0; i < kNumbers; ++i) isSound = isSound && std::isfinite(state[i]);
   if (!isSound) reset();
 }

@@ -72,7 +72,7 @@ Status HapticTick::tick(const Measurement& measurement) noexcept {
   const double elapsed = sampleTime_ == kNever ? 0.0 : std::min(measurement.time - sampleTime_, kLongestStep);
   Status status = sense(measurement);
   if (status == Status::ok && isSample) status = findContacts(measurement.time, elapsed);
-  if (status == Status::ok && isSample && renderer_->needsInertia()) status = fillContactRows(frame_);
+  if (status == Status::ok && isSample && needsInertia()) status = fillContactRows(frame_);
   status = render(status);
   guard_.step(measurement, status, frame_);
   if (scene_.hasTaps() && status == Status::ok) tap_.sent(frame_);
@@ -92,8 +92,7 @@ Status HapticTick::sense(const Measurement& m) noexcept {
   if (!isSample && sampleTime_ == kNever) return Status::stale;
   if (isSample) {
     sampleTime_ = kNever;  // until the configuration is known
-    const Status status =
-        mechanism_.track(m.q, m.rates, renderer_->needsInertia() || scene_.hasTaps(), frame_.kinematics);
+    const Status status = mechanism_.track(m.q, m.rates, needsInertia(), frame_.kinematics);
     if (status != Status::ok) return status;
   }
   frame_.time = m.time;
@@ -119,7 +118,7 @@ Status HapticTick::findContacts(double time, double elapsed) noexcept {
 
 Status HapticTick::render(Status status) noexcept {
   if (status == Status::ok) {
-    if (scene_.hasTaps()) tap_.move(frame_, renderer_->delay(), guard_.options().period);
+    if (scene_.hasTaps()) tap_.move(frame_, renderer_->delay(), guard_.options().period, mechanism_.limits());
     status = renderer_->step(frame_, frame_.output);
     if (scene_.hasTaps()) tap_.push(frame_);
   } else {
@@ -175,7 +174,10 @@ void HapticTick::placeAt(const Pose& start) noexcept {
 
 void HapticTick::exchange(TickScene& other) noexcept {
   other.takeOver(scene_);
-  if (!other.hasTaps()) tap_.reset();
+  if (!other.hasTaps()) {
+    tap_.reset();
+    frame_.added = JointVector();
+  }
   std::swap(scene_, other);
 }
 

@@ -95,6 +95,8 @@ struct TickFrame {
   TickOutput output;
 
   // Guard.
+  /// What was added to the renderer's last torque, after a tap; empty: nothing, or not known. `command` contains it.
+  JointVector added;
   JointVector command;  ///< torque for the motors, N m or N; for the renderer: that of the last tick, empty: unknown
   GuardReason reason = GuardReason::none;  ///< why the command differs from the requested torque
 };

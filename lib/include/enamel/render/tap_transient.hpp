@@ -30,8 +30,9 @@ class TapTransient {
   void reset() noexcept { state_ = State{}; }
 
   /// Detect an impact, and move the surfaces in the frame as the renderer shall see them. `delay`: ticks until a
-  /// command acts. `period`: s. `kinematics` must have the inertia. Realtime: yes.
-  void move(TickFrame& frame, int delay, double period) noexcept;
+  /// command acts. `period`: s. The frame must
+  /// have its contact rows. Realtime: yes.
+  void move(TickFrame& frame, int delay, double period, const JointLimits& limits) noexcept;
 
   /// Put the surfaces back, and add the force to the torque of the output. Realtime: yes.
   void push(TickFrame& frame) noexcept;
@@ -51,32 +52,38 @@ class TapTransient {
  private:
   // Plain numbers.
   struct State {
-    std::array<double, 6> twist{};                  // filtered, m/s and rad/s
-    std::array<double, 3> normal{};                 // of the impact, W
-    double obstacle = -1.0;                         // that was hit; -1: no transient
-    double touched = 0.0;                           // the last sample was inside a surface with a tap
-    double elapsed = 0.0, speed = 0.0;              // since the impact, s; at the impact, m/s
-    double frequency = 0.0, decay = 0.0;            // Hz, 1/s
-    double mass = 0.0, most = 0.0;                  // kg; largest force, N
-    double deflection = 0.0, rate = 0.0;            // of the oscillator when the next command acts, m, m/s
-    double place = 0.0;                             // of the surface that the renderer sees then, m
-    double energy = 0.0, gap = 0.0, missed = 0.0;   // J; at the last sample, m; samples lost since then
-    double force = 0.0;                             // N
-    std::array<double, kMaxLoopDelay + 1> sent{};   // forces along the normal, newest first, N
-    std::array<double, kMaxLoopDelay + 1> moves{};  // motion of the tool while they act, m
+    std::array<double, 6> twist{};        // filtered, m/s and rad/s
+    std::array<double, 3> normal{};       // of the impact, W
+    double obstacle = -1.0;               // that was hit; -1: no transient
+    double touched = 0.0;                 // the last sample was inside a surface with a tap
+    double elapsed = 0.0, speed = 0.0;    // since the impact, s; at the impact, m/s
+    double frequency = 0.0, decay = 0.0;  // Hz, 1/s
+    double mass = 0.0, most = 0.0;        // kg; largest force, N
+    double gain = 1.0, compliance = 0.0;  // of the cables at the frequency: force per force of a rigid drive; m/N
+    double deflection = 0.0, rate = 0.0;  // of the oscillator when the next command acts, m, m/s
+    double place = 0.0;                   // of the surface that the renderer sees then, m
+    double energy = 0.0, doubt = 0.0;     // J; doubt: its uncertainty, half an encoder step times `most`
+    double gap = 0.0, missed = 0.0;       // at the last sample, m; samples lost since then
+    double force = 0.0;                   // N
+    double joints = 0.0;                  // of `added`; 0: nothing was added
+    JointRow added{};                     // to the renderer's last torque, N m or N
+    std::array<std::array<double, 3>, kMaxLoopDelay + 1> sent{};  // commanded forces at the TCP, W, newest first, N
+    std::array<double, kMaxLoopDelay + 1> moves{};                // motion of the tool while they act, m
   };
 
  public:
   static constexpr std::size_t kNumbers = sizeof(State) / sizeof(double);
 
  private:
-  void detect(const TickFrame& frame) noexcept;
+  void detect(const TickFrame& frame, const JointLimits& limits) noexcept;
+  double sentAlong(const Vec3& normal, int command) const noexcept;
   const Contact* contactOf(const TickFrame& frame) const noexcept;
 
   State state_;
   // Of the present tick.
   int delay_ = 0;
   double period_ = 1e-3;  // s
+  JointVector rendered_;  // the renderer's torque
   std::array<Contact, kMaxContacts> seen_;
 };
 

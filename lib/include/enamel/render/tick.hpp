@@ -95,6 +95,7 @@ class HapticTick {
  private:
   static constexpr double kNever = std::numeric_limits<double>::lowest();
 
+  bool needsInertia() const noexcept { return renderer_->needsInertia() || scene_.hasTaps(); }
   Measurement adjusted(const Measurement& measurement) const noexcept;
   Status tick(const Measurement& measurement) noexcept;
   Status sense(const Measurement& measurement) noexcept;
