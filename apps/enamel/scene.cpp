@@ -42,7 +42,8 @@ std::string count(int number, const char* what) { return fmt::format("{} {}{}", 
 std::string materialText(const Material& m) {
   std::string text = std::isinf(m.stiffness) ? "rigid" : fmt::format("{:.4g} N/m", m.stiffness);
   text += m.friction > 0.0 ? fmt::format(", friction {:.3g}", m.friction) : ", without friction";
-  return m.viscosity > 0.0 ? text + fmt::format(", {:.3g} N s/m", m.viscosity) : text;
+  if (m.viscosity > 0.0) text += fmt::format(", {:.3g} N s/m", m.viscosity);
+  return m.tap.frequency > 0.0 ? text + fmt::format(", a tap rings at {:.3g} Hz", m.tap.frequency) : text;
 }
 
 // The axes along and about which an obstacle moves.

@@ -68,6 +68,18 @@ Material materialOf(double stiffness, double friction) {
   return material;
 }
 
+Obstacle obstacleOf(const SceneFile& file, int obstacle) {
+  const auto slot = static_cast<std::size_t>(obstacle);
+  if (slot >= file.scene.obstacles().size()) throw Error("the scene has no obstacle " + std::to_string(obstacle));
+  return file.scene.obstacles()[slot];
+}
+
+void setTap(SceneFile& file, int obstacle, const Tap& tap) {
+  Obstacle changed = obstacleOf(file, obstacle);
+  changed.material.tap = tap;
+  file.scene.replace(obstacle, std::move(changed));
+}
+
 int addObstacle(SceneFile& file, const std::string& name, Shape shape, const Pose& pose, const Material& material,
                 double thickness = 0.0) {
   Obstacle obstacle;
@@ -168,13 +180,24 @@ void addObstacles(SceneClass& scene) {
           "Add a box about `centre` with edges of `size`, m, and return its number. Raises Error if a size is not "
           "positive.")
       .def(
+          "set_tap",
+          [](SceneFile& self, int obstacle, const std::string& material) { setTap(self, obstacle, tapOf(material)); },
+          py::arg("obstacle"), py::arg("material"),
+          "Let the handle vibrate after an impact on an obstacle as on a material: enamel, dentine, metal or plastic. "
+          "Raises Error for another name.")
+      .def(
+          "set_tap",
+          [](SceneFile& self, int obstacle, double frequency, double decay) {
+            setTap(self, obstacle, {frequency, decay});
+          },
+          py::arg("obstacle"), py::arg("frequency"), py::arg("decay"),
+          "The same with a frequency (Hz, 10 to 1000) and a decay (1/s, 0 to 2000); both 0: no vibration. Raises Error "
+          "if a number is outside its range.")
+      .def(
           "suspend",
           [](SceneFile& self, int obstacle, const Array& inertia, const Array& stiffness, const Array& damping,
              const Array& centre) {
-            const auto slot = static_cast<std::size_t>(obstacle);
-            if (slot >= self.scene.obstacles().size())
-              throw Error("the scene has no obstacle " + std::to_string(obstacle));
-            Obstacle movable = self.scene.obstacles()[slot];
+            Obstacle movable = obstacleOf(self, obstacle);
             movable.suspension = std::make_shared<const Suspension>(Suspension{
                 vec3(centre, "centre", "m"), vec6(inertia, "inertia", "kg and kg m^2"),
                 vec6(stiffness, "stiffness", "N/m and N m/rad"), vec6(damping, "damping", "N s/m and N m s/rad")});

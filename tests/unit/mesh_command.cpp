@@ -56,6 +56,7 @@ TEST_CASE("a scene says what it is made of and what a tick of it costs, a broken
   const test::CommandResult mobile = test::run("scene " + scenes + "mobile-molar.toml");
   CHECK_THAT(mobile.output, ContainsSubstring("moves along x 0.002 kg, 98000 N/m (1114 Hz); along y"));
   CHECK_THAT(mobile.output, ContainsSubstring("moves along x 5.2e-05 kg, loose; along y 5.2e-05 kg, loose; about z"));
+  CHECK_THAT(test::run("scene " + scenes + "taps.toml").output, ContainsSubstring("a tap rings at 310 Hz"));
   const test::CommandResult none = test::run("scene " + (folder / "none.toml"));
   CHECK(none.status == 1);
   CHECK_THAT(none.output, ContainsSubstring("none.toml") && ContainsSubstring("obstacle"));

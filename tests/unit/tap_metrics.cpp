@@ -36,8 +36,9 @@ TapMetrics springTap(double stiffness, double damping, double period) {
   const auto rate = [&](double t) {  // of the depth
     return isIn(t) ? kSpeed * std::exp(-decay * t) * (std::cos(w * t) - decay / w * std::sin(w * t)) : 0.0;
   };
-  return tapMetrics(traceOf(period, [&](double t) { return -depth(t); }, [&](double t) { return -rate(t); },
-                            [&](double t) { return stiffness * depth(t) + damping * rate(t); }),
+  return tapMetrics(traceOf(
+                        period, [&](double t) { return -depth(t); }, [&](double t) { return -rate(t); },
+                        [&](double t) { return stiffness * depth(t) + damping * rate(t); }),
                     tapOf("enamel"));
 }
 

@@ -10,7 +10,7 @@
 namespace enamel {
 namespace {
 
-constexpr double kLeastSpeed = 0.02;  // m/s: slower touches are presses, and encoder noise is not an impact
+constexpr double kLeastSpeed = 0.02;  // m/s: slower touches are presses
 constexpr double kNear = 2e-5;        // m: position control pushes from here on
 constexpr double kFollow = 0.5;       // filter gain per sample for the twist
 constexpr double kNewImpact = 2.0;    // a faster touch than this multiple of the vibration is another impact
@@ -64,6 +64,7 @@ double TapTransient::sentAlong(const Vec3& normal, int command) const noexcept {
 void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noexcept {
   State& s = state_;
   const Kinematics& k = frame.kinematics;
+  const Drive& drive = limits.drive;
   const double T = period_;
   const Eigen::Map<const Vec6> twist(s.twist.data());
   bool isTouching = false;
@@ -72,12 +73,17 @@ void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noe
     if (!hasTap(c.material)) continue;
     isTouching = isTouching || c.gap <= 0.0;
     const double speed = -c.normal.dot(translationAt(twist, c.point - k.pose.position) - c.obstacleVelocity);
+    if (s.touched != 0.0 || !(speed > kLeastSpeed)) continue;
+    const ContactRow& row = frame.rows.row[i];
+    double step = 0.0;  // of the encoders along the normal, m
+    for (int j = 0; j < k.jacobian.cols(); ++j)
+      step = std::hypot(step, row.normal[static_cast<std::size_t>(j)] * limits.encoderStep[j]);
     const double vibrates = s.obstacle < 0.0 ? 0.0 : s.speed * std::exp(-s.decay * s.elapsed);
-    if (s.touched != 0.0 || !(speed > std::max(kLeastSpeed, kNewImpact * vibrates)) ||
+    if (!(speed > std::max(kLeastSpeed + kFollow * step / T, kNewImpact * vibrates)) ||
         c.gap > speed * (delay_ + frame.age + 1) * T + kNear)
       continue;
-    const double mass = frame.rows.row[i].mass, most = std::min(largestForce(k, frame.maxTorque, c.point, c.normal),
-                                                                largestForce(k, frame.maxTorque, c.point, -c.normal));
+    const double mass = row.mass, most = std::min(largestForce(k, frame.maxTorque, c.point, c.normal),
+                                                  largestForce(k, frame.maxTorque, c.point, -c.normal));
     if (!(mass > 0.0 && most > 0.0 && std::isfinite(mass + most))) continue;
     double place = c.gap - speed * frame.age * T, rate = -speed;
     std::array<double, kMaxLoopDelay + 1> moves{};
@@ -88,7 +94,7 @@ void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noe
       rate += change;
     }
     if (!(rate < 0.0) || place + rate * T > kNear) continue;
-    const double gain = gainOf(frame.rows.row[i], limits, c.material.tap.frequency);
+    const double gain = gainOf(row, limits, c.material.tap.frequency);
     if (gain < kLeastGain) continue;
     State event;
     event.twist = s.twist;
@@ -108,15 +114,12 @@ void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noe
     event.rate = rate;
     event.place = place;
     event.gain = gain;
-    double step = 0.0;  // of the encoders along the normal
-    for (int j = 0; j < k.jacobian.cols(); ++j) {
-      const double row = frame.rows.row[i].normal[static_cast<std::size_t>(j)];
-      step = std::hypot(step, row * limits.encoderStep[j]);
-      if (limits.drive.stiffness > 0.0 && !limits.drive.encoderOnLink)
-        event.compliance += row * row / limits.drive.stiffness;
-    }
+    for (int j = 0; drive.stiffness > 0.0 && !drive.encoderOnLink && j < k.jacobian.cols(); ++j)
+      event.compliance +=
+          row.normal[static_cast<std::size_t>(j)] * row.normal[static_cast<std::size_t>(j)] / drive.stiffness;
     event.doubt = 0.5 * step * most;
     event.gap = c.gap;
+    event.missed = frame.age;
     s = event;
     break;
   }

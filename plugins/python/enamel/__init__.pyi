@@ -1,7 +1,7 @@
 # Types of the package. For documentation see help(enamel.NAME).
 from os import PathLike
 from pathlib import Path
-from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -107,6 +107,10 @@ class Scene:
         stiffness: float = ...,
         friction: float = ...,
     ) -> int: ...
+    @overload
+    def set_tap(self, obstacle: int, material: str) -> None: ...
+    @overload
+    def set_tap(self, obstacle: int, frequency: float, decay: float) -> None: ...
     def suspend(
         self,
         obstacle: int,
