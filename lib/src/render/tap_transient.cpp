@@ -130,7 +130,9 @@ void TapTransient::move(TickFrame& frame, int delay, double period, const JointL
   State& s = state_;
   delay_ = std::clamp(delay, 0, kMaxLoopDelay);
   period_ = period;
-  for (int i = 0; i < 6 && frame.age == 0; ++i) s.twist[i] += kFollow * (frame.kinematics.twist[i] - s.twist[i]);
+  // A rate after a lost sample may be a difference over more than a tick.
+  for (int i = 0; i < 6 && frame.age == 0 && s.missed == 0.0; ++i)
+    s.twist[i] += kFollow * (frame.kinematics.twist[i] - s.twist[i]);
   if (const Contact* contact = contactOf(frame); contact != nullptr && frame.age == 0) {
     double acted = 0.0;  // mean force since the last sample
     const int ticks = 1 + static_cast<int>(s.missed);
@@ -199,10 +201,11 @@ void TapTransient::push(TickFrame& frame) noexcept {
     s.deflection = deflection;
     s.rate = rate;
   } else {  // the oscillator slips: it has the acceleration that is possible
+    const double peak = std::min(s.most / s.mass, std::hypot(square * s.deflection, std::sqrt(square) * before));
     s.rate += s.force / s.mass * T;
-    const double peak = s.most / s.mass, speed = s.rate * std::sqrt(square),
-                 left = s.rate * s.force < 0.0 ? peak : std::sqrt(std::max(0.0, peak * peak - speed * speed));
-    s.deflection = -std::copysign(left, s.force) / square;
+    const double speed = s.rate * std::sqrt(square),
+                 reached = s.rate * possible < 0.0 ? peak : std::sqrt(std::max(0.0, peak * peak - speed * speed));
+    s.deflection = -std::copysign(reached, possible) / square;
   }
   std::copy_backward(s.moves.begin(), s.moves.end() - 1, s.moves.end());
   s.moves[0] = 0.5 * (before + s.rate) * T;

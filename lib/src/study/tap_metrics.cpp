@@ -63,7 +63,7 @@ TapMetrics tapMetrics(const std::vector<TapSample>& trace, const Tap& material) 
   if (most > 0.0 && begins != first && last - begins > 1) {
     // A force that follows the touch begins at the touch; an early one begins after the last sample without it.
     const double start = begins->time < touch ? (begins - 1)->time : std::max(touch, (begins - 1)->time);
-    metrics.rateHardness = (begins + 1)->force / ((begins + 1)->time - start) / metrics.speed;
+    metrics.rateHardness = ((begins + 1)->force - (begins - 1)->force) / ((begins + 1)->time - start) / metrics.speed;
     double steepest = 0.0;
     for (auto s = first + 1; s != last && s->time < touch + kSteepest; ++s)
       steepest = std::max(steepest, (s->force - (s - 1)->force) / (s->time - (s - 1)->time));
