@@ -70,7 +70,8 @@ void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noe
   bool isTouching = false;
   for (int i = 0; i < frame.contacts.count; ++i) {
     const Contact& c = frame.contacts.contacts[i];
-    if (!hasTap(c.material)) continue;
+    const bool isMovable = frame.yield.isAny && frame.yield.inverse[i][i] > 0.0;
+    if (!hasTap(c.material) || isMovable) continue;  // a movable obstacle answers by itself
     isTouching = isTouching || c.gap <= 0.0;
     const double speed = -c.normal.dot(translationAt(twist, c.point - k.pose.position) - c.obstacleVelocity);
     if (s.touched != 0.0 || !(speed > kLeastSpeed)) continue;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kBefore = 5e-3, kAfter = 0.06;            // s: window around the touch
 constexpr double kSteepest = 0.03;                         // s after the touch
-constexpr double kLeastForce = 0.01;                       // share of the largest force: less is none
+constexpr double kLeastForce = 0.01;                       // share of the largest force: smaller ones do not count
 constexpr double kFrom = 20.0, kTo = 1000.0, kStep = 5.0;  // Hz
 constexpr double kStiffFrom = 250.0, kStiffTo = 350.0;     // Hz
 constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();

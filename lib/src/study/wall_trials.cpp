@@ -195,7 +195,7 @@ bool tapAt(const Context& c, const Tap& tap, Figures& figures) {
 }
 
 bool plainTap(const Context& c, Figures& figures) { return tapAt(c, {}, figures); }
-bool tapWithTransient(const Context& c, Figures& figures) { return tapAt(c, c.setup.tap, figures); }
+bool transientTap(const Context& c, Figures& figures) { return tapAt(c, c.setup.tap, figures); }
 bool slowImpact(const Context& c, Figures& figures) { return impact(c, 0.05, figures); }
 bool middleImpact(const Context& c, Figures& figures) { return impact(c, 0.2, figures); }
 bool fastImpact(const Context& c, Figures& figures) { return impact(c, 0.5, figures); }
@@ -345,8 +345,8 @@ const std::vector<Kind>& kinds() {
       {"impact 0.05 m/s", slowImpact, impactFigures},
       {"impact 0.2 m/s", middleImpact, impactFigures},
       {"impact 0.5 m/s", fastImpact, impactFigures},
-      {"tap", plainTap, tapFigures},
-      {"tap with transient", tapWithTransient, tapFigures},
+      {"tap plain", plainTap, tapFigures},
+      {"tap transient", transientTap, tapFigures},
       {"release",
        release,
        {{"speed over the unavoidable", "", 1.0},

@@ -30,13 +30,13 @@ struct TapMetrics {
 /// `material`: for the match. Realtime: no.
 TapMetrics tapMetrics(const std::vector<TapSample>& trace, const Tap& material);
 
-/// Return the acceleration of the handle on a material after a tap at `time` 0 with v = 1 m/s, mean from `from` to
-/// `until`, 1/s: a(t) = (B^2 + w^2) / w exp(-B t) sin(w t). Realtime: yes.
+/// Return the mean acceleration of the handle on a material from one time to another, 1/s. The tap at 1 m/s is at time
+/// 0: a(t) = (B^2 + w^2) / w exp(-B t) sin(w t). Realtime: yes.
 double accelerationOf(const Tap& material, double from, double until) noexcept;
 
-/// Return how well two signals match: 2 sum |A||M| / (sum |A|^2 + sum |M|^2) over their amplitude spectra from 20 Hz to
-/// the lower of 1000 Hz and half of the sampling rate. It is 1 if the spectra are equal. A factor g between them gives
-/// 2 g / (1 + g^2). Samples are `period` s apart. Realtime: no.
+/// Return how well two signals match: 2 sum |A||M| / (sum |A|^2 + sum |M|^2) over their amplitude spectra. The band is
+/// 20 Hz to the lower of 1000 Hz and half of the sampling rate. Equal spectra give 1. A factor g between them gives 2 g
+/// / (1 + g^2). Samples are `period` s apart. Realtime: no.
 double matchOf(const std::vector<double>& signal, const std::vector<double>& other, double period);
 
 }  // namespace enamel
