@@ -15,7 +15,8 @@ constexpr double kNear = 2e-5;        // m: position control pushes from here on
 constexpr double kFollow = 0.5;       // filter gain per sample for the twist
 constexpr double kNewImpact = 2.0;    // a faster touch than this multiple of the vibration is another impact
 constexpr double kLeastGain = 0.5;    // of the cables: below it, an error of the resonance counts more than twice
-constexpr double kDecays = 6.0;       // times 1 / B: the end of a transient
+constexpr double kMostMissed = 1e3, kMostObstacles = 1e6;  // of a saved state
+constexpr double kDecays = 6.0;                            // times 1 / B: the end of a transient
 
 // Force of the motors that gives a vibration, over the force with rigid cables: 1 - (f / f_c)^2. f_c is the resonance
 // of rotors and links along the row.
@@ -146,8 +147,8 @@ void TapTransient::move(TickFrame& frame, int delay, double period, const JointL
   s.missed = frame.age;
   frame.added = Eigen::Map<const JointVector>(s.added.data(), static_cast<Eigen::Index>(s.joints));
   detect(frame, limits);
-  seen_ = frame.contacts.contacts;
   if (s.obstacle < 0.0) return;
+  seen_ = frame.contacts.contacts;
   // Before the impact, the surface recedes before the tool.
   const bool isBefore = s.elapsed == 0.0 && s.place > 0.0;
   const double speed = isBefore ? s.rate : s.rate - s.decay * s.place,
@@ -163,10 +164,11 @@ void TapTransient::move(TickFrame& frame, int delay, double period, const JointL
 
 void TapTransient::push(TickFrame& frame) noexcept {
   State& s = state_;
-  std::copy_n(seen_.begin(), frame.contacts.count, frame.contacts.contacts.begin());
   rendered_ = frame.output.torque;
   s.force = 0.0;
-  if (s.obstacle < 0.0 || frame.output.mode == RenderMode::fault) return;
+  if (s.obstacle < 0.0) return;
+  frame.contacts.contacts = seen_;
+  if (frame.output.mode == RenderMode::fault) return;
   const Contact* const contact = contactOf(frame);
   if (contact == nullptr || s.elapsed * s.decay > kDecays || s.elapsed > 1.0) {
     s.obstacle = -1.0;
@@ -235,8 +237,10 @@ void TapTransient::saveState(double* state) const noexcept { std::memcpy(state, 
 
 void TapTransient::loadState(const double* state) noexcept {
   std::memcpy(&state_, state, sizeof state_);
-  bool isSound = state_.joints >= 0.0 && state_.joints <= kMaxJoints;
-  isSound = isSound && (state_.obstacle < 0.0 || (state_.mass > 0.0 && state_.speed > 0.0 && state_.frequency > 0.0));
+  const State& s = state_;
+  bool isSound = s.joints >= 0.0 && s.joints <= kMaxJoints && s.missed >= 0.0 && s.missed <= kMostMissed &&
+                 std::abs(s.obstacle) <= kMostObstacles &&
+                 (s.obstacle < 0.0 || (s.mass > 0.0 && s.speed > 0.0 && s.frequency > 0.0));
   for (std::size_t i = 0; i < kNumbers; ++i) isSound = isSound && std::isfinite(state[i]);
   if (!isSound) reset();
 }

@@ -30,8 +30,7 @@ class TapTransient {
   void reset() noexcept { state_ = State{}; }
 
   /// Detect an impact, and move the surfaces in the frame as the renderer shall see them. `delay`: ticks until a
-  /// command acts. `period`: s. The frame must
-  /// have its contact rows. Realtime: yes.
+  /// command acts. `period`: s. The frame must have its contact rows. Realtime: yes.
   void move(TickFrame& frame, int delay, double period, const JointLimits& limits) noexcept;
 
   /// Put the surfaces back, and add the force to the torque of the output. Realtime: yes.
