@@ -27,9 +27,9 @@ constexpr double kTick = 1e-3;  // s
 struct Case {
   std::string device = "tau-nominal.toml", plant = kClosedForm;
   int delay = 0;
-  double speed = 0.2;     // of the tap, m/s
-  std::string tap = {};   // "": none
-  bool spring = false;    // 50 to 60 N s/m and 10 to 15 kN/m on the TAU: of the best springs
+  double speed = 0.2;    // of the tap, m/s
+  std::string tap = {};  // "": none
+  bool spring = false;   // 50 to 60 N s/m and 10 to 15 kN/m on the TAU: of the best springs
   bool movable = false;
   double lost = 0.0;      // share of lost samples
   std::uint32_t run = 1;  // stream of the random numbers
@@ -271,14 +271,17 @@ TEST_CASE("tap transient: a saved state continues bit for bit, an invalid one st
   CHECK(bench.haptics()(next, second) == Status::ok);
   CHECK(bench.haptics().tap().force() == force);
   CHECK(first.effort == second.effort);
+  int limited = 0;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     std::vector<double> broken = numbers;
     broken[i] = std::numeric_limits<double>::quiet_NaN();
     transient.loadState(broken.data());
     CHECK(transient.force() == 0.0);
-    broken[i] = 1e300;  // every number that the next tick casts has a limit
+    broken[i] = 1e300;
     transient.loadState(broken.data());
+    limited += transient.force() == 0.0;
   }
+  CHECK(limited >= 3);  // the numbers that a tick casts to integers
 }
 
 TEST_CASE("tap transient: scenes that have one", "[tap]") {

@@ -10,17 +10,17 @@
 namespace enamel {
 namespace {
 
-constexpr double kLeastSpeed = 0.02;  // m/s: slower touches are presses
-constexpr double kNear = 2e-5;        // m: position control pushes from here on
-constexpr double kFollow = 0.5;       // filter gain per sample for the twist
-constexpr double kNewImpact = 2.0;    // a faster touch than this multiple of the vibration is another impact
-constexpr double kLeastGain = 0.5;    // of the cables: below it, an error of the resonance counts more than twice
-constexpr double kMostMissed = 1e3, kMostObstacles = 1e6;  // of a saved state
-constexpr double kDecays = 6.0;                            // times 1 / B: the end of a transient
+constexpr double kTapSpeed = 0.02;  // m/s: slower touches are presses
+constexpr double kTapNear = 2e-5;   // m: position control pushes from here on
+constexpr double kTapFollow = 0.5;  // filter gain per sample for the twist
+constexpr double kNextTap = 2.0;    // a faster touch than this multiple of the vibration is another impact
+constexpr double kTapGain = 0.5;    // of the cables: below it, an error of the resonance counts more than twice
+constexpr double kTapMissed = 1e3, kTapObstacles = 1e6;  // of a saved state
+constexpr double kTapDecays = 6.0;                       // times 1 / B: the end of a transient
 
 // Force of the motors that gives a vibration, over the force with rigid cables: 1 - (f / f_c)^2. f_c is the resonance
 // of rotors and links along the row.
-double gainOf(const ContactRow& row, const JointLimits& limits, double frequency) noexcept {
+double cableGain(const ContactRow& row, const JointLimits& limits, double frequency) noexcept {
   const Drive& drive = limits.drive;
   if (!(drive.stiffness > 0.0)) return 1.0;
   double square = 0.0;
@@ -30,9 +30,9 @@ double gainOf(const ContactRow& row, const JointLimits& limits, double frequency
   return 1.0 - w * w * drive.rotorInertia * (1.0 - rotors) / drive.stiffness;
 }
 
-bool hasTap(const Material& material) noexcept { return material.tap.frequency > 0.0; }
+bool isTappable(const Material& material) noexcept { return material.tap.frequency > 0.0; }
 
-Eigen::Map<const Vec3> normalOf(const std::array<double, 3>& normal) noexcept {
+Eigen::Map<const Vec3> tapNormal(const std::array<double, 3>& normal) noexcept {
   return Eigen::Map<const Vec3>(normal.data());
 }
 
@@ -42,8 +42,8 @@ bool hasTaps(const Scene& scene) noexcept {
   for (const Obstacle& obstacle : scene.obstacles()) {
     if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) {
       for (const SolidLayer& layer : (*solid)->layers())
-        if (hasTap(layer.material)) return true;
-    } else if (hasTap(obstacle.material)) {
+        if (isTappable(layer.material)) return true;
+    } else if (isTappable(obstacle.material)) {
       return true;
     }
   }
@@ -72,17 +72,17 @@ void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noe
   for (int i = 0; i < frame.contacts.count; ++i) {
     const Contact& c = frame.contacts.contacts[i];
     const bool isMovable = frame.yield.isAny && frame.yield.inverse[i][i] > 0.0;
-    if (!hasTap(c.material) || isMovable) continue;  // a movable obstacle answers by itself
+    if (!isTappable(c.material) || isMovable) continue;  // a movable obstacle answers by itself
     isTouching = isTouching || c.gap <= 0.0;
     const double speed = -c.normal.dot(translationAt(twist, c.point - k.pose.position) - c.obstacleVelocity);
-    if (s.touched != 0.0 || !(speed > kLeastSpeed)) continue;
+    if (s.touched != 0.0 || !(speed > kTapSpeed)) continue;
     const ContactRow& row = frame.rows.row[i];
     double step = 0.0;  // of the encoders along the normal, m
     for (int j = 0; j < k.jacobian.cols(); ++j)
       step = std::hypot(step, row.normal[static_cast<std::size_t>(j)] * limits.encoderStep[j]);
     const double vibrates = s.obstacle < 0.0 ? 0.0 : s.speed * std::exp(-s.decay * s.elapsed);
-    if (!(speed > std::max(kLeastSpeed + kFollow * step / T, kNewImpact * vibrates)) ||
-        c.gap > speed * (delay_ + frame.age + 1) * T + kNear)
+    if (!(speed > std::max(kTapSpeed + kTapFollow * step / T, kNextTap * vibrates)) ||
+        c.gap > speed * (delay_ + frame.age + 1) * T + kTapNear)
       continue;
     const double mass = row.mass, most = std::min(largestForce(k, frame.maxTorque, c.point, c.normal),
                                                   largestForce(k, frame.maxTorque, c.point, -c.normal));
@@ -95,9 +95,9 @@ void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noe
       place += (rate + 0.5 * change) * T;
       rate += change;
     }
-    if (!(rate < 0.0) || place + rate * T > kNear) continue;
-    const double gain = gainOf(row, limits, c.material.tap.frequency);
-    if (gain < kLeastGain) continue;
+    if (!(rate < 0.0) || place + rate * T > kTapNear) continue;
+    const double gain = cableGain(row, limits, c.material.tap.frequency);
+    if (gain < kTapGain) continue;
     State event;
     event.twist = s.twist;
     event.sent = s.sent;
@@ -134,11 +134,12 @@ void TapTransient::move(TickFrame& frame, int delay, double period, const JointL
   period_ = period;
   // A rate after a lost sample may be a difference over more than a tick.
   for (int i = 0; i < 6 && frame.age == 0 && s.missed == 0.0; ++i)
-    s.twist[i] += kFollow * (frame.kinematics.twist[i] - s.twist[i]);
+    s.twist[i] += kTapFollow * (frame.kinematics.twist[i] - s.twist[i]);
   if (const Contact* contact = contactOf(frame); contact != nullptr && frame.age == 0) {
     double acted = 0.0;  // mean force since the last sample
     const int ticks = 1 + static_cast<int>(s.missed);
-    for (int i = 0; i < ticks; ++i) acted += sentAlong(normalOf(s.normal), std::min(delay_ + i, kMaxLoopDelay)) / ticks;
+    for (int i = 0; i < ticks; ++i)
+      acted += sentAlong(tapNormal(s.normal), std::min(delay_ + i, kMaxLoopDelay)) / ticks;
     const double gap = contact->gap - s.compliance * acted;  // of the link, if the encoders are on the rotors
     s.energy -= acted * (gap - s.gap);
     s.gap = gap;
@@ -153,7 +154,7 @@ void TapTransient::move(TickFrame& frame, int delay, double period, const JointL
   const bool isBefore = s.elapsed == 0.0 && s.place > 0.0;
   const double speed = isBefore ? s.rate : s.rate - s.decay * s.place,
                place = (isBefore ? 0.0 : s.place) - speed * (delay_ + frame.age) * period_;
-  const auto normal = normalOf(s.normal);
+  const auto normal = tapNormal(s.normal);
   for (int i = 0; i < frame.contacts.count; ++i) {
     Contact& c = frame.contacts.contacts[i];
     if (c.obstacle != static_cast<int>(s.obstacle)) continue;
@@ -170,12 +171,12 @@ void TapTransient::push(TickFrame& frame) noexcept {
   frame.contacts.contacts = seen_;
   if (frame.output.mode == RenderMode::fault) return;
   const Contact* const contact = contactOf(frame);
-  if (contact == nullptr || s.elapsed * s.decay > kDecays || s.elapsed > 1.0) {
+  if (contact == nullptr || s.elapsed * s.decay > kTapDecays || s.elapsed > 1.0) {
     s.obstacle = -1.0;
     return;
   }
   const Kinematics& k = frame.kinematics;
-  const auto normal = normalOf(s.normal);
+  const auto normal = tapNormal(s.normal);
   const double T = period_, w = 2.0 * M_PI * s.frequency, B = s.decay, square = B * B + w * w;
   // Motion of y'' + 2 B y' + (B^2 + w^2) y = 0, in the part of the tick after the impact.
   const double part = s.elapsed == 0.0 ? std::clamp(T - s.place / s.speed, 0.0, T) : T;
@@ -236,10 +237,10 @@ void TapTransient::sent(const TickFrame& frame) noexcept {
 void TapTransient::saveState(double* state) const noexcept { std::memcpy(state, &state_, sizeof state_); }
 
 void TapTransient::loadState(const double* state) noexcept {
-  std::memcpy(&state_, state, sizeof state_);
+  std::memcpy(static_cast<void*>(&state_), state, sizeof state_);
   const State& s = state_;
-  bool isSound = s.joints >= 0.0 && s.joints <= kMaxJoints && s.missed >= 0.0 && s.missed <= kMostMissed &&
-                 std::abs(s.obstacle) <= kMostObstacles &&
+  bool isSound = s.joints >= 0.0 && s.joints <= kMaxJoints && s.missed >= 0.0 && s.missed <= kTapMissed &&
+                 std::abs(s.obstacle) <= kTapObstacles &&
                  (s.obstacle < 0.0 || (s.mass > 0.0 && s.speed > 0.0 && s.frequency > 0.0));
   for (std::size_t i = 0; i < kNumbers; ++i) isSound = isSound && std::isfinite(state[i]);
   if (!isSound) reset();
