@@ -43,7 +43,7 @@ std::string materialText(const Material& m) {
   std::string text = std::isinf(m.stiffness) ? "rigid" : fmt::format("{:.4g} N/m", m.stiffness);
   text += m.friction > 0.0 ? fmt::format(", friction {:.3g}", m.friction) : ", without friction";
   if (m.viscosity > 0.0) text += fmt::format(", {:.3g} N s/m", m.viscosity);
-  return m.tap.frequency > 0.0 ? text + fmt::format(", a tap rings at {:.3g} Hz", m.tap.frequency) : text;
+  return text;
 }
 
 // The axes along and about which an obstacle moves.
@@ -101,6 +101,7 @@ void run(const SceneOptions& options) {
                std::visit([](const auto& shape) { return whatIs(shape); }, obstacle.shape));
     if (!std::holds_alternative<std::shared_ptr<const Solid>>(obstacle.shape))
       fmt::print("{:<12} {}\n", "", materialText(obstacle.material));
+    if (obstacle.tap.frequency > 0.0) fmt::print("{:<12} a tap rings at {:.3g} Hz\n", "", obstacle.tap.frequency);
     if (obstacle.suspension) fmt::print("{:<12} {}\n", "", suspensionText(*obstacle.suspension));
   }
   if (file.bur) fmt::print("{:<12} part {} of the tool cuts\n", "bur", file.bur->part);

@@ -76,7 +76,7 @@ Obstacle obstacleOf(const SceneFile& file, int obstacle) {
 
 void setTap(SceneFile& file, int obstacle, const Tap& tap) {
   Obstacle changed = obstacleOf(file, obstacle);
-  changed.material.tap = tap;
+  changed.tap = tap;
   file.scene.replace(obstacle, std::move(changed));
 }
 

@@ -91,7 +91,7 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
 TEST_CASE("taps with transients allocate nothing", "[tick]") {
   const TauMechanism device(test::nominal());
   Obstacle enamel = halfSpace("enamel", Vec3::Zero(), Vec3::UnitZ());
-  enamel.material.tap = tapOf("enamel");
+  enamel.tap = tapOf("enamel");
   Scene scene;
   scene.add(enamel);
   ImpedanceRenderer spring({6000.0, 0.0});

@@ -222,7 +222,7 @@ TEST_CASE("scene files: taps are read", "[scene]") {
                    keys,
                "s.toml")
         .scene.obstacles()[0]
-        .material.tap;
+        .tap;
   };
   CHECK(with("").frequency == 0.0);
   for (const NamedTap& known : namedTaps()) {

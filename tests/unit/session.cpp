@@ -403,7 +403,7 @@ TEST_CASE("a session sets the tap of an obstacle", "[session]") {
   CHECK_FALSE(hasTaps());
   session.setTap(id, tapOf("metal"));
   CHECK(hasTaps());
-  session.setMaterial(id, Material{});
+  session.setTap(id, {});
   CHECK_FALSE(hasTaps());
   CHECK_THROWS_WITH(session.setTap(id, {5.0, 90.0}), ContainsSubstring("a frequency in 10 to 1000 Hz"));
 }

@@ -63,7 +63,7 @@ class Bench {
     mass_ = effectiveMass(home, home.pose.position, Vec3::UnitZ());
     most_ = largestForce(home, mechanism_->limits().effort, home.pose.position, Vec3::UnitZ());
     Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());
-    if (!c.tap.empty()) wall.material.tap = tapOf(c.tap);
+    if (!c.tap.empty()) wall.tap = tapOf(c.tap);
     if (c.movable) {
       Suspension tooth;
       tooth.inertia[2] = 2e-3;
@@ -288,11 +288,11 @@ TEST_CASE("tap transient: scenes that have one", "[tap]") {
   Scene scene = flatWall();
   CHECK_FALSE(hasTaps(scene));
   Obstacle metal = halfSpace("metal", Vec3::Zero(), Vec3::UnitX());
-  metal.material.tap = tapOf("metal");
+  metal.tap = tapOf("metal");
   scene.add(metal);
   CHECK(hasTaps(scene));
   metal.name = "other";
-  metal.material.tap.frequency = 2000.0;
+  metal.tap.frequency = 2000.0;
   CHECK_THROWS_WITH(scene.add(metal), test::ContainsSubstring("the tap must have a frequency in 10 to 1000 Hz"));
 }
 

@@ -190,7 +190,7 @@ void addTaps(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
   Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());
   Scene plain, enamel;
   plain.add(wall);
-  wall.material.tap = tapOf("enamel");
+  wall.tap = tapOf("enamel");
   enamel.add(wall);
   const Path path = pathThroughTheWall(mechanism, ticks, 5e-5, 2e-4, 4e-4, 250.0);
   for (const auto& [name, renderer] : renderers) {

@@ -61,6 +61,9 @@ void Scene::check(const Obstacle& obstacle, std::size_t number) const {
   if (!sized)
     throw Error(name + ": the size of the shape must be positive and finite, its mesh or solid must not be null");
   checkMaterial(obstacle.material, name);
+  checkTap(obstacle.tap, name);
+  if (obstacle.tap.frequency > 0.0 && std::holds_alternative<std::shared_ptr<const Solid>>(obstacle.shape))
+    throw Error(name + ": a solid has the taps of its layers");
   const bool isMesh = std::holds_alternative<std::shared_ptr<const MeshModel>>(obstacle.shape);
   if (!(obstacle.thickness >= 0.0 && std::isfinite(obstacle.thickness)) || (obstacle.thickness > 0.0 && !isMesh))
     throw Error(name + ": the thickness must be at least 0 m and finite, and 0 m unless the shape is a mesh");
@@ -131,6 +134,15 @@ Tap tapOf(const std::string& name) {
   throw Error("is \"" + name + "\", must be one of " + names);
 }
 
+void checkTap(const Tap& tap, const std::string& name) {
+  const bool isOff = tap.frequency == 0.0 && tap.decay == 0.0;
+  if (!isOff && !(tap.frequency >= kLeastTapFrequency && tap.frequency <= kMostTapFrequency && tap.decay >= 0.0 &&
+                  tap.decay <= kMostTapDecay))
+    throw Error(name + ": the tap must have a frequency in " + formatNumber(kLeastTapFrequency) + " to " +
+                formatNumber(kMostTapFrequency) + " Hz and a decay in 0 to " + formatNumber(kMostTapDecay) +
+                " 1/s, or both 0");
+}
+
 void checkMaterial(const Material& m, const std::string& name) {
   if (!(m.stiffness > 0.0) || !(m.friction >= 0.0 && m.friction <= 10.0) ||
       !(m.slidingFriction >= 0.0 && m.slidingFriction <= m.friction) ||
@@ -139,13 +151,6 @@ void checkMaterial(const Material& m, const std::string& name) {
                 ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to "
                 "friction, and a viscosity in 0 to " +
                 formatNumber(kLargestViscosity) + " N s/m");
-  const Tap& tap = m.tap;
-  const bool isOff = tap.frequency == 0.0 && tap.decay == 0.0;
-  if (!isOff && !(tap.frequency >= kLeastTapFrequency && tap.frequency <= kMostTapFrequency && tap.decay >= 0.0 &&
-                  tap.decay <= kMostTapDecay))
-    throw Error(name + ": the tap must have a frequency in " + formatNumber(kLeastTapFrequency) + " to " +
-                formatNumber(kMostTapFrequency) + " Hz and a decay in 0 to " + formatNumber(kMostTapDecay) +
-                " 1/s, or both 0");
 }
 
 double unusualSize(const Obstacle& obstacle, double scale) {

@@ -167,7 +167,6 @@ void readMaterial(TomlTable& table, Material& material) {
   material.slidingFriction = material.friction;
   read("sliding_friction", 0.0, material.friction, "", material.slidingFriction);
   read("viscosity", 0.0, 1e3, " N s/m", material.viscosity);
-  readTap(table, material.tap);
 }
 
 std::shared_ptr<const Suspension> readSuspension(TomlTable& obstacle) {
@@ -207,6 +206,7 @@ SolidLayer readLayer(TomlTable& table, const std::string& sceneFile, double scal
   if (table.has("depth")) layer.depth = length(table, "depth", 0.0, kLargestSize);
   if (table.has("file")) layer.within = std::make_shared<const MeshModel>(readMeshFile(table, sceneFile, scale));
   readMaterial(table, layer.material);
+  readTap(table, layer.tap);
   table.finish();
   return layer;
 }
@@ -252,6 +252,7 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
                "is \"" + shape + "\", must be \"half_space\", \"box\", \"sphere\", \"capsule\", \"mesh\" or \"solid\"");
   obstacle.name = name;
   readMaterial(table, obstacle.material);
+  readTap(table, obstacle.tap);
   obstacle.suspension = readSuspension(table);
   table.finish();
   return obstacle;

@@ -30,7 +30,20 @@ double cableGain(const ContactRow& row, const JointLimits& limits, double freque
   return 1.0 - w * w * drive.rotorInertia * (1.0 - rotors) / drive.stiffness;
 }
 
-bool isTappable(const Material& material) noexcept { return material.tap.frequency > 0.0; }
+bool isOn(const Tap& tap) noexcept { return tap.frequency > 0.0; }
+
+// Return the tap of the material at a contact.
+Tap tapAt(const Scene& scene, const Contact& contact) noexcept {
+  const auto number = static_cast<std::size_t>(contact.obstacle);
+  if (number >= scene.obstacles().size()) return {};
+  const Obstacle& obstacle = scene.obstacles()[number];
+  const auto* const found = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape);
+  if (found == nullptr) return obstacle.tap;
+  const Solid& solid = **found;
+  const Vec3 below = contact.point - (contact.gap + 0.5 * solid.cell()) * contact.normal;
+  const Vec3 place = obstacle.pose.rotation.transpose() * (below - obstacle.pose.position);
+  return solid.layers()[static_cast<std::size_t>(solid.layerAt(place))].tap;
+}
 
 Eigen::Map<const Vec3> tapNormal(const std::array<double, 3>& normal) noexcept {
   return Eigen::Map<const Vec3>(normal.data());
@@ -42,8 +55,8 @@ bool hasTaps(const Scene& scene) noexcept {
   for (const Obstacle& obstacle : scene.obstacles()) {
     if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) {
       for (const SolidLayer& layer : (*solid)->layers())
-        if (isTappable(layer.material)) return true;
-    } else if (isTappable(obstacle.material)) {
+        if (isOn(layer.tap)) return true;
+    } else if (isOn(obstacle.tap)) {
       return true;
     }
   }
@@ -62,7 +75,7 @@ double TapTransient::sentAlong(const Vec3& normal, int command) const noexcept {
 }
 
 // Start a transient if the tool will touch a surface before the end of the tick in which the next command acts.
-void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noexcept {
+void TapTransient::detect(const TickFrame& frame, const Scene& scene, const JointLimits& limits) noexcept {
   State& s = state_;
   const Kinematics& k = frame.kinematics;
   const Drive& drive = limits.drive;
@@ -72,7 +85,8 @@ void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noe
   for (int i = 0; i < frame.contacts.count; ++i) {
     const Contact& c = frame.contacts.contacts[i];
     const bool isMovable = frame.yield.isAny && frame.yield.inverse[i][i] > 0.0;
-    if (!isTappable(c.material) || isMovable) continue;  // a movable obstacle answers by itself
+    const Tap tap = tapAt(scene, c);
+    if (!isOn(tap) || isMovable) continue;  // a movable obstacle answers by itself
     isTouching = isTouching || c.gap <= 0.0;
     const double speed = -c.normal.dot(translationAt(twist, c.point - k.pose.position) - c.obstacleVelocity);
     if (s.touched != 0.0 || !(speed > kTapSpeed)) continue;
@@ -96,7 +110,7 @@ void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noe
       rate += change;
     }
     if (!(rate < 0.0) || place + rate * T > kTapNear) continue;
-    const double gain = cableGain(row, limits, c.material.tap.frequency);
+    const double gain = cableGain(row, limits, tap.frequency);
     if (gain < kTapGain) continue;
     State event;
     event.twist = s.twist;
@@ -107,8 +121,8 @@ void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noe
     Eigen::Map<Vec3>(event.normal.data()) = c.normal;
     event.obstacle = c.obstacle;
     event.speed = -rate;
-    event.frequency = c.material.tap.frequency;
-    event.decay = c.material.tap.decay;
+    event.frequency = tap.frequency;
+    event.decay = tap.decay;
     event.mass = mass;
     event.most = most;
     const double w = 2.0 * M_PI * event.frequency;
@@ -128,7 +142,8 @@ void TapTransient::detect(const TickFrame& frame, const JointLimits& limits) noe
   if (frame.age == 0) s.touched = isTouching ? 1.0 : 0.0;
 }
 
-void TapTransient::move(TickFrame& frame, int delay, double period, const JointLimits& limits) noexcept {
+void TapTransient::move(TickFrame& frame, const Scene& scene, int delay, double period,
+                        const JointLimits& limits) noexcept {
   State& s = state_;
   delay_ = std::clamp(delay, 0, kMaxLoopDelay);
   period_ = period;
@@ -147,7 +162,7 @@ void TapTransient::move(TickFrame& frame, int delay, double period, const JointL
   }
   s.missed = frame.age;
   frame.added = Eigen::Map<const JointVector>(s.added.data(), static_cast<Eigen::Index>(s.joints));
-  detect(frame, limits);
+  detect(frame, scene, limits);
   if (s.obstacle < 0.0) return;
   seen_ = frame.contacts.contacts;
   // Before the impact, the surface recedes before the tool.

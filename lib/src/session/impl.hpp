@@ -3,7 +3,6 @@
 
 #include <array>
 #include <atomic>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -87,7 +86,6 @@ struct Session::Impl final : TickSink {
   void enter(std::unique_ptr<session::World> next);
   std::size_t slotOf(ObstacleId id) const;
   void changeObstacles(session::Obstacles next);
-  void changeMaterial(ObstacleId id, const std::function<void(Material&)>& change);
   void checkSize(ObstacleId id);
   RendererChoice choose(const std::string& name, const std::map<std::string, std::string>& parameters) const;
   void select(RendererChoice next);

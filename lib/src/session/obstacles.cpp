@@ -33,12 +33,12 @@ bool isFlatWall(const Scene& scene, const session::SessionTool& tool) {
   if (scene.obstacles().size() != 1 || !isSameObstacle(wall, scene, 0)) return false;
   const Obstacle& own = scene.obstacles()[0];
   const Material& m = own.material;
-  const bool isSmoothAndRigid = std::isinf(m.stiffness) && m.friction == 0.0 && m.slidingFriction == 0.0 &&
-                                m.viscosity == 0.0 && m.tap.frequency == 0.0;
+  const bool isSmoothAndRigid =
+      std::isinf(m.stiffness) && m.friction == 0.0 && m.slidingFriction == 0.0 && m.viscosity == 0.0;
   const ToolPart& part = tool.tool.parts[0];
   const bool isPoint = tool.tool.count == 1 && part.a.isZero(0.0) && part.b.isZero(0.0) && part.radius == 0.0;
-  return !own.suspension && own.pose.position.isZero(0.0) && own.pose.rotation == wall.obstacles()[0].pose.rotation &&
-         isSmoothAndRigid && isPoint && !tool.bur;
+  return !own.suspension && own.tap.frequency == 0.0 && own.pose.position.isZero(0.0) &&
+         own.pose.rotation == wall.obstacles()[0].pose.rotation && isSmoothAndRigid && isPoint && !tool.bur;
 }
 
 std::string absoluteOf(const std::string& path) {
@@ -93,23 +93,25 @@ void Session::replace(ObstacleId id, const SessionObstacle& by) {
   impl_->checkSize(id);
 }
 
-void Session::Impl::changeMaterial(ObstacleId id, const std::function<void(Material&)>& change) {
-  const Lock locked = lock();
-  const std::size_t slot = slotOf(id);
-  Obstacles next = group->obstacles;
+void Session::setMaterial(ObstacleId id, const Material& material) {
+  const Lock lock = impl_->lock();
+  const std::size_t slot = impl_->slotOf(id);
+  Obstacles next = impl_->group->obstacles;
   Obstacle changed = next.scene.obstacles()[slot];
   require(!next.solids[slot], "obstacle \"" + changed.name + "\": a solid has the materials of its layers");
-  change(changed.material);
+  changed.material = material;
   next.scene.replace(id.slot, std::move(changed));
-  changeObstacles(std::move(next));
-}
-
-void Session::setMaterial(ObstacleId id, const Material& material) {
-  impl_->changeMaterial(id, [&](Material& now) { now = material; });
+  impl_->changeObstacles(std::move(next));
 }
 
 void Session::setTap(ObstacleId id, const Tap& tap) {
-  impl_->changeMaterial(id, [&](Material& now) { now.tap = tap; });
+  const Lock lock = impl_->lock();
+  const std::size_t slot = impl_->slotOf(id);
+  Obstacles next = impl_->group->obstacles;
+  Obstacle changed = next.scene.obstacles()[slot];
+  changed.tap = tap;
+  next.scene.replace(id.slot, std::move(changed));
+  impl_->changeObstacles(std::move(next));
 }
 
 void Session::setSuspension(ObstacleId id, const std::optional<Suspension>& suspension) {

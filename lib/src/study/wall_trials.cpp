@@ -56,7 +56,7 @@ bool perform(const Context& c, const Hand& hand, const std::function<bool(int, c
   LoopSetup loopSetup;
   loopSetup.scene = Scene();
   Obstacle wall = halfSpace("wall", Vec3::Zero(), hand.normal);
-  wall.material.tap = hand.tap;
+  wall.tap = hand.tap;
   loopSetup.scene.add(wall);
   if (hand.second) loopSetup.scene.add(halfSpace("second wall", Vec3::Zero(), *hand.second));
   loopSetup.start.position = hand.height * hand.normal;

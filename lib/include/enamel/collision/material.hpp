@@ -35,11 +35,13 @@ struct Material {
   double friction = 0.0;         ///< mu_s, largest ratio of tangential to normal force at rest
   double slidingFriction = 0.0;  ///< mu_k while sliding, at most mu_s
   double viscosity = 0.0;        ///< on the sliding speed, N s/m
-  Tap tap = {};
 };
 
 /// Largest viscosity, N s/m: larger values make every tick unstable.
 inline constexpr double kLargestViscosity = 1000.0;
+
+/// Throw Error, beginning with `name`, if a number of the tap is outside its range. Realtime: no.
+void checkTap(const Tap& tap, const std::string& name);
 
 /// Throw Error, beginning with `name`, if a number of the material is outside its range. Realtime: no.
 void checkMaterial(const Material& material, const std::string& name);

@@ -13,7 +13,7 @@ namespace enamel {
 /// Return whether an obstacle of the scene, or a layer of a solid in it, has a Tap. Realtime: yes.
 bool hasTaps(const Scene& scene) noexcept;
 
-/// Adds the transient of Material::tap to the torque of any renderer. An impact at the speed v starts a reference
+/// Adds the transient of Obstacle::tap to the torque of any renderer. An impact at the speed v starts a reference
 /// motion of the tool, that of a damped oscillator:
 ///
 ///   z'' = a(t) = v (B^2 + w^2) / w exp(-B t) sin(w t), |z''| limited by the motors
@@ -31,7 +31,7 @@ class TapTransient {
 
   /// Detect an impact, and move the surfaces in the frame as the renderer shall see them. `delay`: ticks until a
   /// command acts. `period`: s. The frame must have its contact rows. Realtime: yes.
-  void move(TickFrame& frame, int delay, double period, const JointLimits& limits) noexcept;
+  void move(TickFrame& frame, const Scene& scene, int delay, double period, const JointLimits& limits) noexcept;
 
   /// Put the surfaces back, and add the force to the torque of the output. Realtime: yes.
   void push(TickFrame& frame) noexcept;
@@ -74,7 +74,7 @@ class TapTransient {
   static constexpr std::size_t kNumbers = sizeof(State) / sizeof(double);
 
  private:
-  void detect(const TickFrame& frame, const JointLimits& limits) noexcept;
+  void detect(const TickFrame& frame, const Scene& scene, const JointLimits& limits) noexcept;
   double sentAlong(const Vec3& normal, int command) const noexcept;
   const Contact* contactOf(const TickFrame& frame) const noexcept;
 

@@ -20,7 +20,7 @@ class TickScene {
   /// Return the scene with its obstacles where the last tick had them, and the tool. Realtime: yes.
   const Scene& scene() const noexcept { return motion_.scene(); }
   const Tool& tool() const noexcept { return tool_; }
-  /// Return whether a tap on the scene has a transient (Material::tap). Realtime: yes.
+  /// Return whether a tap on the scene has a transient (Obstacle::tap). Realtime: yes.
   bool hasTaps() const noexcept { return hasTaps_; }
   const SceneMotion& motion() const noexcept { return motion_; }
   SceneMotion& motion() noexcept { return motion_; }
