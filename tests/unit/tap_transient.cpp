@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "enamel/collision/scene_file.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/tick.hpp"
@@ -282,6 +284,41 @@ TEST_CASE("tap transient: a saved state continues bit for bit, an invalid one st
     limited += transient.force() == 0.0;
   }
   CHECK(limited >= 3);  // the numbers that a tick casts to integers
+}
+
+TEST_CASE("tap transient: a solid has the taps of its layers", "[tap]") {
+  const auto mechanism = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
+  const std::string path = std::string(ENAMEL_SOURCE_DIR) + "/data/scenes/drill.toml", drill = readFile(path);
+  for (const std::string layer : {"enamel", "dentine"}) {
+    std::string text = drill;
+    const auto replace = [&](const std::string& line, const std::string& by) {
+      REQUIRE(text.find(line) != std::string::npos);
+      text.replace(text.find(line), line.size(), by);
+    };
+    replace("name = \"" + layer + "\"", "name = \"" + layer + "\"\n  tap = \"" + layer + "\"");
+    replace("cell = 0.0002", "cell = 0.0008");
+    const SceneFile file = parseScene(text, path);
+    CHECK(hasTaps(file.scene));
+    ImpedanceRenderer spring({1e3, 0.0});
+    HapticTick tick(*mechanism, file.scene, file.tool, spring, kTick, {file.start, Mat3::Identity()});
+    bool vibrates = false;
+    for (int i = 0; i < 80 && !vibrates; ++i) {
+      Vec6 twist = Vec6::Zero();
+      twist[2] = -0.1;
+      Kinematics k;
+      REQUIRE(mechanism->reach({file.start + i * kTick * twist.head<3>(), Mat3::Identity()}, twist, false, k) ==
+              Status::ok);
+      Measurement m;
+      m.time = kTick * i;
+      m.q = k.q;
+      m.rates = k.rates;
+      Command command;
+      (void)tick(m, command);
+      vibrates = tick.tap().force() != 0.0;
+      if (tick.frame().contacts.count > 0 && tick.frame().contacts.contacts[0].gap < 0.0) break;
+    }
+    CHECK(vibrates == (layer == "enamel"));  // the surface is enamel
+  }
 }
 
 TEST_CASE("tap transient: scenes that have one", "[tap]") {
