@@ -30,7 +30,8 @@ void setDefaults(const CLI::App& command, CompareOptions& options) {
   unless("--plants", options.plants, folder ? Names{kClosedForm, kImperfectStiff, kImperfect} : Names{kClosedForm});
   unless("--delays", options.delays,
          folder ? Names{"none", "constant:1", "constant:2", "constant:3", "random:0..3"} : Names{"none"});
-  unless("--tasks", options.tasks, folder ? Names{kPush, "impact", "tap", "release", "slide", "corner"} : wallTrialNames());
+  unless("--tasks", options.tasks,
+         folder ? Names{kPush, "impact", "tap", "release", "slide", "corner"} : wallTrialNames());
   unless("--renderers", study.renderers,
          folder ? Names{kPositionControl, kHold, "tuned:hold", "tuned:hold-delay", "tuned:virtual-coupling",
                         "tuned:passivity", "tuned:passivity-memory", "tuned:impedance", kEdge, kImpedance}
