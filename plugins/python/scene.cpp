@@ -68,6 +68,18 @@ Material materialOf(double stiffness, double friction) {
   return material;
 }
 
+const Obstacle& obstacleAt(const SceneFile& file, int obstacle) {
+  const auto slot = static_cast<std::size_t>(obstacle);
+  if (slot >= file.scene.obstacles().size()) throw Error("the scene has no obstacle " + std::to_string(obstacle));
+  return file.scene.obstacles()[slot];
+}
+
+void setTap(SceneFile& file, int obstacle, const Tap& tap) {
+  Obstacle changed = obstacleAt(file, obstacle);
+  changed.tap = tap;
+  file.scene.replace(obstacle, std::move(changed));
+}
+
 int addObstacle(SceneFile& file, const std::string& name, Shape shape, const Pose& pose, const Material& material,
                 double thickness = 0.0) {
   Obstacle obstacle;
@@ -77,12 +89,6 @@ int addObstacle(SceneFile& file, const std::string& name, Shape shape, const Pos
   obstacle.material = material;
   obstacle.thickness = thickness;
   return file.scene.add(std::move(obstacle));
-}
-
-const Obstacle& obstacleAt(const SceneFile& file, int obstacle) {
-  const auto slot = static_cast<std::size_t>(obstacle);
-  if (slot >= file.scene.obstacles().size()) throw Error("the scene has no obstacle " + std::to_string(obstacle));
-  return file.scene.obstacles()[slot];
 }
 
 struct MeshOptions {
@@ -192,6 +198,20 @@ void addObstacles(SceneClass& scene) {
           "Make the surface of an obstacle a compliant layer. At a depth of x m it pushes with stiffness x (x / 1 "
           "mm)^(exponent - 1) / (1 - x / thickness), times 1 + hysteresis x' while x grows by x' m/s. A force of "
           "`puncture` N breaks it. Raises Error if a number is not valid.")
+      .def(
+          "set_tap",
+          [](SceneFile& self, int obstacle, const std::string& material) { setTap(self, obstacle, tapOf(material)); },
+          py::arg("obstacle"), py::arg("material"),
+          "Let the handle vibrate after an impact on an obstacle as on a material: enamel, dentine, metal or plastic. "
+          "Raises Error for another name.")
+      .def(
+          "set_tap",
+          [](SceneFile& self, int obstacle, double frequency, double decay) {
+            setTap(self, obstacle, {frequency, decay});
+          },
+          py::arg("obstacle"), py::arg("frequency"), py::arg("decay"),
+          "The same with a frequency (Hz, 10 to 1000) and a decay (1/s, 0 to 2000); both 0: no vibration. Raises Error "
+          "if a number is outside its range.")
       .def(
           "suspend",
           [](SceneFile& self, int obstacle, const Array& inertia, const Array& stiffness, const Array& damping,

@@ -257,6 +257,33 @@ TEST_CASE("scene files: a compliant layer is read", "[scene]") {
   CHECK(scene.add(ball) == 0);
 }
 
+TEST_CASE("scene files: taps are read", "[scene]") {
+  const auto with = [](const std::string& keys) {
+    return parseScene(
+               "name = \"a\"\nstart = [0, 0, 0.1]\n[[obstacle]]\nname = \"b\"\nshape = \"sphere\"\n"
+               "centre = [0, 0, 0]\nradius = 0.01\n" +
+                   keys,
+               "s.toml")
+        .scene.obstacles()[0]
+        .tap;
+  };
+  CHECK(with("").frequency == 0.0);
+  for (const NamedTap& known : namedTaps()) {
+    const Tap read = with("tap = \"" + std::string(known.name) + "\"\n");
+    CHECK((read.frequency == known.tap.frequency && read.decay == known.tap.decay));
+  }
+  const Tap own = with("tap_frequency = 200\ntap_decay = 0\n"), higher = with("tap = \"metal\"\ntap_frequency = 400\n");
+  CHECK((own.frequency == 200.0 && own.decay == 0.0));
+  CHECK((higher.frequency == 400.0 && higher.decay == tapOf("metal").decay));
+  for (const auto& [keys, message] :
+       {std::pair{"tap = \"wood\"\n", "tap: is \"wood\", must be one of \"enamel\", \"dentine\""},
+        {"tap_frequency = 200\n", "tap_frequency: needs \"tap_decay\" or \"tap\" too"},
+        {"tap_decay = 90\n", "tap_decay: needs \"tap_frequency\" or \"tap\" too"},
+        {"tap_frequency = 5\ntap_decay = 90\n", "tap_frequency: is 5, must be in 10 to 1000 Hz"},
+        {"tap = \"metal\"\ntap_decay = 3000\n", "tap_decay: is 3000, must be in 0 to 2000 1/s"}})
+    CHECK_THROWS_WITH(with(keys), test::ContainsSubstring(message));
+}
+
 TEST_CASE("scene files: what is refused, and how", "[scene]") {
   requireRefused("name = \"test\"\n", "", "scene.toml:1: name: is missing");
   requireRefused("name = \"test\"", "platform = {}",

@@ -61,6 +61,9 @@ void Scene::check(const Obstacle& obstacle, std::size_t number) const {
   if (!sized)
     throw Error(name + ": the size of the shape must be positive and finite, its mesh or solid must not be null");
   checkMaterial(obstacle.material, name);
+  checkTap(obstacle.tap, name);
+  if (obstacle.tap.frequency > 0.0 && std::holds_alternative<std::shared_ptr<const Solid>>(obstacle.shape))
+    throw Error(name + ": a solid has the taps of its layers");
   const bool isMesh = std::holds_alternative<std::shared_ptr<const MeshModel>>(obstacle.shape);
   if (!(obstacle.thickness >= 0.0 && std::isfinite(obstacle.thickness)) || (obstacle.thickness > 0.0 && !isMesh))
     throw Error(name + ": the thickness must be at least 0 m and finite, and 0 m unless the shape is a mesh");
@@ -114,6 +117,30 @@ bool isSameObstacle(const Scene& before, const Scene& now, std::size_t number) n
   if (!a.active || !b.active || a.thickness != b.thickness || a.name != b.name || a.shape.index() != b.shape.index())
     return false;
   return isSame<0>(a.shape, b.shape);
+}
+
+const std::array<NamedTap, 4>& namedTaps() noexcept {
+  static constexpr std::array<NamedTap, 4> taps = {
+      {{"enamel", {310.0, 90.0}}, {"dentine", {190.0, 86.0}}, {"metal", {300.0, 90.0}}, {"plastic", {97.0, 80.0}}}};
+  return taps;
+}
+
+Tap tapOf(const std::string& name) {
+  std::string names;
+  for (const NamedTap& known : namedTaps()) {
+    if (name == known.name) return known.tap;
+    names += (names.empty() ? "\"" : ", \"") + std::string(known.name) + '"';
+  }
+  throw Error("is \"" + name + "\", must be one of " + names);
+}
+
+void checkTap(const Tap& tap, const std::string& name) {
+  const bool isOff = tap.frequency == 0.0 && tap.decay == 0.0;
+  if (!isOff && !(tap.frequency >= kLeastTapFrequency && tap.frequency <= kMostTapFrequency && tap.decay >= 0.0 &&
+                  tap.decay <= kMostTapDecay))
+    throw Error(name + ": the tap must have a frequency in " + formatNumber(kLeastTapFrequency) + " to " +
+                formatNumber(kMostTapFrequency) + " Hz and a decay in 0 to " + formatNumber(kMostTapDecay) +
+                " 1/s, or both 0");
 }
 
 void checkMaterial(const Material& m, const std::string& name) {

@@ -131,6 +131,30 @@ Obstacle readMesh(TomlTable& table, const std::string& sceneFile, SpareCapacity 
   return mesh;
 }
 
+// The keys `tap_frequency` and `tap_decay` replace numbers of the named tap, or give a tap together.
+void readTap(TomlTable& table, Tap& tap) {
+  const bool isNamed = table.has("tap");
+  if (isNamed) {
+    const std::string name = table.text("tap");
+    try {
+      tap = tapOf(name);
+    } catch (const Error& error) {
+      table.fail("tap", error.what());
+    }
+  }
+  const auto read = [&table, isNamed](const char* key, const char* other, double low, double high, const char* unit,
+                                      double& value) {
+    if (!table.has(key)) return;
+    value = table.number(key);
+    if (!(value >= low && value <= high))
+      table.fail(key, "is " + formatNumber(value) + ", must be in " + formatNumber(low) + " to " + formatNumber(high) +
+                          " " + unit);
+    if (!isNamed && !table.has(other)) table.fail(key, std::string("needs \"") + other + "\" or \"tap\" too");
+  };
+  read("tap_frequency", "tap_decay", kLeastTapFrequency, kMostTapFrequency, "Hz", tap.frequency);
+  read("tap_decay", "tap_frequency", 0.0, kMostTapDecay, "1/s", tap.decay);
+}
+
 // Every key is optional. The default is a rigid surface without friction.
 void readMaterial(TomlTable& table, Material& material) {
   const auto read = [&table](const char* key, double low, double high, const std::string& unit, double& value) {
@@ -193,6 +217,7 @@ SolidLayer readLayer(TomlTable& table, const std::string& sceneFile, double scal
   if (table.has("depth")) layer.depth = length(table, "depth", 0.0, kLargestSize);
   if (table.has("file")) layer.within = std::make_shared<const MeshModel>(readMeshFile(table, sceneFile, scale));
   readMaterial(table, layer.material);
+  readTap(table, layer.tap);
   table.finish();
   return layer;
 }
@@ -238,6 +263,7 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
                "is \"" + shape + "\", must be \"half_space\", \"box\", \"sphere\", \"capsule\", \"mesh\" or \"solid\"");
   obstacle.name = name;
   readMaterial(table, obstacle.material);
+  readTap(table, obstacle.tap);
   obstacle.suspension = readSuspension(table);
   table.finish();
   return obstacle;

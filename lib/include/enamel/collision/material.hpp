@@ -1,11 +1,34 @@
 // Mechanical properties of a surface at a contact.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
 
 namespace enamel {
+
+/// How a handle vibrates after a tap at v m/s: a(t) = v (B^2 + w^2) / w exp(-B t) sin(w t), w = 2 pi f. This force
+/// stops the tool. Sources: Okamura, Dennerlein and Howe 1998; Kuchenbecker, Fiene and Niemeyer 2006.
+struct Tap {
+  double frequency = 0.0;  ///< f, Hz; 0: no transient
+  double decay = 0.0;      ///< B, 1/s
+};
+
+/// Limits of a tap, Hz and 1/s.
+inline constexpr double kLeastTapFrequency = 10.0, kMostTapFrequency = 1000.0, kMostTapDecay = 2000.0;
+
+/// A tap with a name; lib/docs/taps.md has the sources.
+struct NamedTap {
+  const char* name;
+  Tap tap;
+};
+
+/// List the taps with names. Realtime: yes.
+const std::array<NamedTap, 4>& namedTaps() noexcept;
+
+/// Return the tap of a name. Throws Error for another name. Realtime: no.
+Tap tapOf(const std::string& name);
 
 /// Material of a surface. Default: rigid and without friction. A compliant one is in series with the wall. Its force at
 /// a compression of x m, which grows by x' m/s, is (forceOf(), render/compliance.hpp):
@@ -29,6 +52,9 @@ struct Material {
 inline constexpr double kLargestViscosity = 1000.0;
 inline constexpr double kLargestExponent = 10.0;     ///< of a material
 inline constexpr double kLargestHysteresis = 100.0;  ///< of a material, s/m
+
+/// Throw Error, beginning with `name`, if a number of the tap is outside its range. Realtime: no.
+void checkTap(const Tap& tap, const std::string& name);
 
 /// Throw Error, beginning with `name`, if a number of the material is outside its range. Realtime: no.
 void checkMaterial(const Material& material, const std::string& name);

@@ -47,6 +47,9 @@ class Renderer {
   /// Return whether step() reads the joint-space inertia and TickFrame::rows. If so, each tick computes them.
   virtual bool needsInertia() const noexcept { return false; }
 
+  /// Return the number of ticks until a command acts, as far as the renderer knows it. Realtime: yes.
+  virtual int delay() const noexcept { return 0; }
+
   /// Deactivate: step() then returns `inactive` until the next activate(). Realtime: no.
   void deactivate() noexcept { active_ = false; }
 
