@@ -85,8 +85,8 @@ struct Design {
   Square cost;  // from now on
 };
 
-// Divide a tick into substeps. `visit` receives the index of each, the motion until its beginning, and that from there
-// to its middle. Returns the motion over the tick.
+// Divide a tick into substeps. `visit` receives the index of each, the motion until its beginning, that until its end,
+// and that over half of it. Returns the motion over the tick.
 template <int kMech, class Visit>
 Matrix<kMech + 6> overTick(const ModeData& d, double inertia, const Visit& visit) {
   const Matrix<kMech + 6> middle = exponential<kMech + 6>(continuous<kMech>(d.drive, inertia) *
@@ -94,8 +94,9 @@ Matrix<kMech + 6> overTick(const ModeData& d, double inertia, const Visit& visit
                           step = middle.lazyProduct(middle);
   Matrix<kMech + 6> power = Matrix<kMech + 6>::Identity();
   for (int i = 0; i < kSubsteps; ++i) {
-    visit(i, power, middle);
-    power = power.lazyProduct(step).eval();
+    const Matrix<kMech + 6> next = power.lazyProduct(step);
+    visit(i, power, next, middle);
+    power = next;
   }
   return power;
 }
@@ -106,12 +107,13 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia) {
   const double perSubstep = 2.0 / kGrowthTime * d.period / kSubsteps, perBin = static_cast<double>(kBins) / kSubsteps;
   ModeModel<kMech> m = {};
   Matrix<kMech + 3> wander = Matrix<kMech + 3>::Zero();  // remaining growth noise
-  const Matrix<kMech + 6> whole = overTick<kMech>(d, inertia, [&](int i, const auto& power, const auto& middle) {
-    const Matrix<kMech + 3, 1> grown = power.col(growth).template head<kMech + 3>();
-    wander += perSubstep * grown * grown.transpose();
-    double* onset = m.onset[kBins - 1 - i * kBins / kSubsteps];
-    for (int j = 0; j < kMech; ++j) onset[j] += perBin * power.row(j).dot(middle.col(push));
-  });
+  const Matrix<kMech + 6> whole =
+      overTick<kMech>(d, inertia, [&](int i, const auto& power, const auto&, const auto& middle) {
+        const Matrix<kMech + 3, 1> grown = power.col(growth).template head<kMech + 3>();
+        wander += perSubstep * grown * grown.transpose();
+        double* onset = m.onset[kBins - 1 - i * kBins / kSubsteps];
+        for (int j = 0; j < kMech; ++j) onset[j] += perBin * power.row(j).dot(middle.col(push));
+      });
   for (int i = 0; i < kMech; ++i) {
     for (int j = 0; j < kMech + 3; ++j) m.state[i][j] = whole(i, j);
     m.command[i] = whole(i, inputs);
@@ -128,9 +130,9 @@ template <int kMech>
 ModeGains<kMech> gainsAt(const ModeData& d, double unseen, double inertia, Design<kMech + 1>& design) {
   constexpr int inputs = kMech + 3, link = kMech - 2;
   Matrix<kMech + 2> H = Matrix<kMech + 2>::Zero();  // cost of the link's motion
-  const Matrix<kMech + 6> whole = overTick<kMech>(d, inertia, [&](int, const auto& power, const auto&) {
+  const Matrix<kMech + 6> whole = overTick<kMech>(d, inertia, [&](int, const auto&, const auto& next, const auto&) {
     Matrix<kMech + 2, 1> way;
-    way << power.row(link).template head<kMech + 1>().transpose(), power(link, inputs);
+    way << next.row(link).template head<kMech + 1>().transpose(), next(link, inputs);
     H += way * way.transpose() / kSubsteps;
   });
   const double reaction = reactionTime(d), mass = inertia + (kMech == 4 ? d.drive.rotorInertia : 0.0);
