@@ -14,6 +14,7 @@ constexpr double kTapSpeed = 0.02;  // m/s: slower touches are presses
 constexpr double kTapNear = 2e-5;   // m: position control pushes from here on
 constexpr double kTapFollow = 0.5;  // filter gain per sample for the twist
 constexpr double kNextTap = 2.0;    // a faster touch than this multiple of the vibration is another impact
+constexpr double kMostPhase = 0.5;  // periods by which a force may come late at random
 constexpr double kTapGain = 0.5;    // of the cables: below it, an error of the resonance counts more than twice
 constexpr double kTapMissed = 1e3, kTapObstacles = 1e6;  // of a saved state
 constexpr double kTapDecays = 6.0;                       // times 1 / B: the end of a transient
@@ -87,6 +88,7 @@ void TapTransient::detect(const TickFrame& frame, const Scene& scene, const Join
     const bool isMovable = frame.yield.isAny && frame.yield.inverse[i][i] > 0.0;
     const Tap tap = tapAt(scene, c);
     if (!isOn(tap) || isMovable) continue;  // a movable obstacle answers by itself
+    if (spread_ * T * tap.frequency >= kMostPhase) continue;
     isTouching = isTouching || c.gap <= 0.0;
     const double speed = -c.normal.dot(translationAt(twist, c.point - k.pose.position) - c.obstacleVelocity);
     if (s.touched != 0.0 || !(speed > kTapSpeed)) continue;
@@ -142,10 +144,11 @@ void TapTransient::detect(const TickFrame& frame, const Scene& scene, const Join
   if (frame.age == 0) s.touched = isTouching ? 1.0 : 0.0;
 }
 
-void TapTransient::move(TickFrame& frame, const Scene& scene, int delay, double period,
+void TapTransient::move(TickFrame& frame, const Scene& scene, const Delay& delay, double period,
                         const JointLimits& limits) noexcept {
   State& s = state_;
-  delay_ = std::clamp(delay, 0, kMaxLoopDelay);
+  delay_ = std::clamp(delay.ticks, 0, kMaxLoopDelay);
+  spread_ = delay.spread;
   period_ = period;
   // A rate after a lost sample may be a difference over more than a tick.
   for (int i = 0; i < 6 && frame.age == 0 && s.missed == 0.0; ++i)

@@ -42,6 +42,7 @@ class PassivityRenderer final : public Renderer {
 
   bool needsInertia() const noexcept override { return wall_->needsInertia(); }
   int delay() const noexcept override { return wall_->delay(); }
+  int delaySpread() const noexcept override { return wall_->delaySpread(); }
 
   /// Return E, J; with PassivityBound::memory the sum over the layers. Realtime: yes.
   double energy() const noexcept;

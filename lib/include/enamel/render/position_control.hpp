@@ -74,6 +74,7 @@ class PositionControlRenderer final : public Renderer {
 
   bool needsInertia() const noexcept override { return true; }
   int delay() const noexcept override { return state().delayLow; }
+  int delaySpread() const noexcept override { return state().delayHigh - state().delayLow; }
 
   /// Return the estimates of the last tick. Realtime: yes.
   PositionControlState state() const noexcept;

@@ -50,6 +50,9 @@ class Renderer {
   /// Return the number of ticks until a command acts, as far as the renderer knows it. Realtime: yes.
   virtual int delay() const noexcept { return 0; }
 
+  /// Return by how many ticks this delay varies at random. Realtime: yes.
+  virtual int delaySpread() const noexcept { return 0; }
+
   /// Deactivate: step() then returns `inactive` until the next activate(). Realtime: no.
   void deactivate() noexcept { active_ = false; }
 

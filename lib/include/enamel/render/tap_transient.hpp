@@ -29,9 +29,16 @@ class TapTransient {
   /// Forget the impact. Realtime: yes.
   void reset() noexcept { state_ = State{}; }
 
-  /// Detect an impact, and move the surfaces in the frame as the renderer shall see them. `delay`: ticks until a
-  /// command acts. `period`: s. The frame must have its contact rows. Realtime: yes.
-  void move(TickFrame& frame, const Scene& scene, int delay, double period, const JointLimits& limits) noexcept;
+  /// Ticks until a command acts, and by how many they vary at random.
+  struct Delay {
+    int ticks = 0, spread = 0;
+  };
+
+  /// Detect an impact, and move the surfaces in the frame as the renderer shall see them. `period`: s. The frame must
+  /// have its contact rows. A delay that varies by half a period of the vibration or more starts no transient: a force
+  /// might act with the opposite phase. Realtime: yes.
+  void move(TickFrame& frame, const Scene& scene, const Delay& delay, double period,
+            const JointLimits& limits) noexcept;
 
   /// Put the surfaces back, and add the force to the torque of the output. Realtime: yes.
   void push(TickFrame& frame) noexcept;
@@ -80,7 +87,7 @@ class TapTransient {
 
   State state_;
   // Of the present tick.
-  int delay_ = 0;
+  int delay_ = 0, spread_ = 0;
   double period_ = 1e-3;  // s
   JointVector rendered_;  // the renderer's torque
   std::array<Contact, kMaxContacts> seen_;
