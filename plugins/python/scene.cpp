@@ -1,5 +1,7 @@
 // Scenes, meshes and contacts in Python. The headers in lib/include describe the functions.
 #include <limits>
+#include <tuple>
+#include <variant>
 
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/mesh_file.hpp"
@@ -68,18 +70,6 @@ Material materialOf(double stiffness, double friction) {
   return material;
 }
 
-const Obstacle& obstacleAt(const SceneFile& file, int obstacle) {
-  const auto slot = static_cast<std::size_t>(obstacle);
-  if (slot >= file.scene.obstacles().size()) throw Error("the scene has no obstacle " + std::to_string(obstacle));
-  return file.scene.obstacles()[slot];
-}
-
-void setTap(SceneFile& file, int obstacle, const Tap& tap) {
-  Obstacle changed = obstacleAt(file, obstacle);
-  changed.tap = tap;
-  file.scene.replace(obstacle, std::move(changed));
-}
-
 int addObstacle(SceneFile& file, const std::string& name, Shape shape, const Pose& pose, const Material& material,
                 double thickness = 0.0) {
   Obstacle obstacle;
@@ -89,6 +79,12 @@ int addObstacle(SceneFile& file, const std::string& name, Shape shape, const Pos
   obstacle.material = material;
   obstacle.thickness = thickness;
   return file.scene.add(std::move(obstacle));
+}
+
+const Obstacle& obstacleAt(const SceneFile& file, int obstacle) {
+  const auto slot = static_cast<std::size_t>(obstacle);
+  if (slot >= file.scene.obstacles().size()) throw Error("the scene has no obstacle " + std::to_string(obstacle));
+  return file.scene.obstacles()[slot];
 }
 
 struct MeshOptions {
@@ -200,18 +196,17 @@ void addObstacles(SceneClass& scene) {
           "`puncture` N breaks it. Raises Error if a number is not valid.")
       .def(
           "set_tap",
-          [](SceneFile& self, int obstacle, const std::string& material) { setTap(self, obstacle, tapOf(material)); },
-          py::arg("obstacle"), py::arg("material"),
-          "Let the handle vibrate after an impact on an obstacle as on a material: enamel, dentine, metal or plastic. "
-          "Raises Error for another name.")
-      .def(
-          "set_tap",
-          [](SceneFile& self, int obstacle, double frequency, double decay) {
-            setTap(self, obstacle, {frequency, decay});
+          [](SceneFile& self, int obstacle, const std::variant<std::string, std::pair<double, double>>& tap) {
+            Obstacle changed = obstacleAt(self, obstacle);
+            if (const auto* const name = std::get_if<std::string>(&tap))
+              changed.tap = tapOf(*name);
+            else
+              std::tie(changed.tap.frequency, changed.tap.decay) = std::get<1>(tap);
+            self.scene.replace(obstacle, std::move(changed));
           },
-          py::arg("obstacle"), py::arg("frequency"), py::arg("decay"),
-          "The same with a frequency (Hz, 10 to 1000) and a decay (1/s, 0 to 2000); both 0: no vibration. Raises Error "
-          "if a number is outside its range.")
+          py::arg("obstacle"), py::arg("tap"),
+          "Let the handle vibrate after an impact on an obstacle. `tap` is enamel, dentine, metal or plastic, or a "
+          "frequency (Hz) and a decay (1/s); both 0: no vibration. Raises Error for another name or number.")
       .def(
           "suspend",
           [](SceneFile& self, int obstacle, const Array& inertia, const Array& stiffness, const Array& damping,

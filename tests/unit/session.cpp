@@ -413,7 +413,7 @@ TEST_CASE("a session sets the tap of an obstacle", "[session]") {
   CHECK(hasTaps());
   session.setTap(id, {});
   CHECK_FALSE(hasTaps());
-  CHECK_THROWS_WITH(session.setTap(id, {5.0, 90.0}), ContainsSubstring("a frequency in 10 to 1000 Hz"));
+  CHECK_THROWS_WITH(session.setTap(id, {5.0, 90.0}), ContainsSubstring("a frequency of 10 to 1000 Hz"));
 }
 
 TEST_CASE("a bur that comes after spin() spins", "[session]") {

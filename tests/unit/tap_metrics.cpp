@@ -88,7 +88,7 @@ TEST_CASE("taps: an early force counts from the last sample without it", "[tap]"
 }
 
 TEST_CASE("taps: the tap of a material matches itself, and others less", "[tap]") {
-  for (const NamedTap& known : namedTaps()) {
+  for (const NamedTap& known : kNamedTaps) {
     INFO(known.name);
     for (const double period : {kPeriod, 1e-4}) {
       CHECK(tapMetrics(materialTap(known.tap, 1.0, period), known.tap).match == Approx(1.0).epsilon(1e-9));
@@ -105,7 +105,7 @@ TEST_CASE("taps: the tap of a material matches itself, and others less", "[tap]"
 }
 
 TEST_CASE("taps: the acceleration of a material is a decaying sinusoid that stops the tool", "[tap]") {
-  for (const NamedTap& known : namedTaps()) {
+  for (const NamedTap& known : kNamedTaps) {
     const double w = 2.0 * M_PI * known.tap.frequency, B = known.tap.decay;
     CHECK(accelerationOf(known.tap, -1.0, 0.0) == 0.0);
     CHECK(accelerationOf(known.tap, 0.0, 1.0) == Approx(1.0).epsilon(1e-12));

@@ -28,11 +28,12 @@ constexpr double kTick = 1e-3;  // s
 
 struct Case {
   std::string device = "tau-nominal.toml", plant = kClosedForm;
-  int delay = 0;
+  int delay = 0;           // ticks
   double speed = 0.2;    // of the tap, m/s
   std::string tap = {};  // "": none
   bool spring = false;   // 50 to 60 N s/m and 10 to 15 kN/m on the TAU: of the best springs
   bool movable = false;
+  int spread = 0;         // ticks: the delay is random, up to this much longer
   double lost = 0.0;      // share of lost samples
   std::uint32_t run = 1;  // stream of the random numbers
 };
@@ -54,7 +55,7 @@ class Bench {
     const DeviceParameters parameters = loadDevice(test::deviceFile(c.device));
     setup_.start.position = {0.0, 0.0, 0.02};
     setup_.encoders = {true, RateSource::difference};
-    setup_.delay = {c.delay, c.delay};
+    setup_.delay = {c.delay, c.delay + c.spread};
     mechanism_ = makeMechanism(modelFor(c.plant, parameters));
     const MakePlant plant = plantMaker(c.plant, parameters, {}, setup_);
     if (c.lost > 0.0) setup_.lostSamples = c.lost;
@@ -77,7 +78,7 @@ class Bench {
       renderer_ = std::make_unique<ImpedanceRenderer>(ImpedanceOptions{5e4 * mass_, 250.0 * mass_});
     } else {
       auto control =
-          std::make_unique<PositionControlRenderer>(positionControlFor(*mechanism_, kTick, c.delay, c.delay));
+          std::make_unique<PositionControlRenderer>(positionControlFor(*mechanism_, kTick, c.delay, c.delay + c.spread));
       control_ = control.get();
       renderer_ = std::move(control);
     }
@@ -241,6 +242,23 @@ TEST_CASE("tap transient: slow touches and movable obstacles have none, and the 
   }
 }
 
+TEST_CASE("tap transient: a random delay turns it off from half a period on", "[tap]") {
+  const auto with = [](const std::string& material, int spread) {
+    Case c{"tau-nominal.toml", kClosedForm, 0, 0.2, material};
+    c.spread = spread;
+    return tapOn(c);
+  };
+  for (const auto& [material, least] : {std::pair{"enamel", 2}, {"plastic", 6}})  // periods of 3.2 and 10.3 ticks
+    for (const int spread : {least - 1, least}) {
+      INFO(material << ", 0 to " << spread << " ticks");
+      const Run tap = with(material, spread), plain = with("", spread);
+      CHECK(tap.fault == GuardReason::none);
+      CHECK(std::any_of(tap.transient.begin(), tap.transient.end(), [](double f) { return f != 0.0; }) ==
+            (spread < least));
+      if (spread < least) CHECK(matchOf(tap, material) > matchOf(plain, material));
+    }
+}
+
 TEST_CASE("tap transient: a saved state continues bit for bit, an invalid one starts again", "[tap]") {
   Bench bench({"tau-nominal.toml", kClosedForm, 1, 0.2, "metal"});
   for (int i = 0; bench.haptics().tap().force() == 0.0; ++i) {
@@ -332,7 +350,7 @@ TEST_CASE("tap transient: scenes that have one", "[tap]") {
   CHECK(hasTaps(scene));
   metal.name = "other";
   metal.tap.frequency = 2000.0;
-  CHECK_THROWS_WITH(scene.add(metal), test::ContainsSubstring("the tap must have a frequency in 10 to 1000 Hz"));
+  CHECK_THROWS_WITH(scene.add(metal), test::ContainsSubstring("a tap has a frequency of 10 to 1000 Hz"));
 }
 
 }  // namespace enamel::test_tap_transient

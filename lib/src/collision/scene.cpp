@@ -119,15 +119,9 @@ bool isSameObstacle(const Scene& before, const Scene& now, std::size_t number) n
   return isSame<0>(a.shape, b.shape);
 }
 
-const std::array<NamedTap, 4>& namedTaps() noexcept {
-  static constexpr std::array<NamedTap, 4> taps = {
-      {{"enamel", {310.0, 90.0}}, {"dentine", {190.0, 86.0}}, {"metal", {300.0, 90.0}}, {"plastic", {97.0, 80.0}}}};
-  return taps;
-}
-
 Tap tapOf(const std::string& name) {
   std::string names;
-  for (const NamedTap& known : namedTaps()) {
+  for (const NamedTap& known : kNamedTaps) {
     if (name == known.name) return known.tap;
     names += (names.empty() ? "\"" : ", \"") + std::string(known.name) + '"';
   }
@@ -136,11 +130,9 @@ Tap tapOf(const std::string& name) {
 
 void checkTap(const Tap& tap, const std::string& name) {
   const bool isOff = tap.frequency == 0.0 && tap.decay == 0.0;
-  if (!isOff && !(tap.frequency >= kLeastTapFrequency && tap.frequency <= kMostTapFrequency && tap.decay >= 0.0 &&
-                  tap.decay <= kMostTapDecay))
-    throw Error(name + ": the tap must have a frequency in " + formatNumber(kLeastTapFrequency) + " to " +
-                formatNumber(kMostTapFrequency) + " Hz and a decay in 0 to " + formatNumber(kMostTapDecay) +
-                " 1/s, or both 0");
+  if (!isOff && !(tap.frequency >= 10.0 && tap.frequency <= 1000.0 && tap.decay >= 0.0 && tap.decay <= 2000.0))
+    throw Error(name + ": a tap has a frequency of 10 to 1000 Hz and a decay of 0 to 2000 1/s, or both 0; not " +
+                formatNumber(tap.frequency) + " Hz and " + formatNumber(tap.decay) + " 1/s");
 }
 
 void checkMaterial(const Material& m, const std::string& name) {

@@ -131,28 +131,19 @@ Obstacle readMesh(TomlTable& table, const std::string& sceneFile, SpareCapacity 
   return mesh;
 }
 
-// The keys `tap_frequency` and `tap_decay` replace numbers of the named tap, or give a tap together.
+// The name of a material, or a frequency (Hz) and a decay (1/s).
 void readTap(TomlTable& table, Tap& tap) {
-  const bool isNamed = table.has("tap");
-  if (isNamed) {
-    const std::string name = table.text("tap");
-    try {
-      tap = tapOf(name);
-    } catch (const Error& error) {
-      table.fail("tap", error.what());
-    }
+  if (!table.has("tap")) return;
+  const std::string name = table.isText("tap") ? table.text("tap") : "";
+  const std::vector<double> numbers = name.empty() ? table.numbers("tap") : std::vector<double>();
+  if (name.empty() && numbers.size() != 2)
+    table.fail("tap", "has " + std::to_string(numbers.size()) + " numbers, must have 2: Hz and 1/s");
+  try {
+    tap = name.empty() ? Tap{numbers[0], numbers[1]} : tapOf(name);
+    checkTap(tap, "is out of range");
+  } catch (const Error& error) {
+    table.fail("tap", error.what());
   }
-  const auto read = [&table, isNamed](const char* key, const char* other, double low, double high, const char* unit,
-                                      double& value) {
-    if (!table.has(key)) return;
-    value = table.number(key);
-    if (!(value >= low && value <= high))
-      table.fail(key, "is " + formatNumber(value) + ", must be in " + formatNumber(low) + " to " + formatNumber(high) +
-                          " " + unit);
-    if (!isNamed && !table.has(other)) table.fail(key, std::string("needs \"") + other + "\" or \"tap\" too");
-  };
-  read("tap_frequency", "tap_decay", kLeastTapFrequency, kMostTapFrequency, "Hz", tap.frequency);
-  read("tap_decay", "tap_frequency", 0.0, kMostTapDecay, "1/s", tap.decay);
 }
 
 // Every key is optional. The default is a rigid surface without friction.

@@ -65,6 +65,7 @@ TomlTable::TomlTable(std::shared_ptr<const toml::table> root, const toml::table*
     : root_(std::move(root)), table_(table), file_(std::move(file)), path_(std::move(path)) {}
 
 bool TomlTable::has(std::string_view key) const { return table_->contains(key); }
+bool TomlTable::isText(std::string_view key) const { return table_->get_as<std::string>(key) != nullptr; }
 
 int TomlTable::line(std::string_view path) const {
   for (std::string_view rest = path; !rest.empty();) {

@@ -147,8 +147,8 @@ void TapTransient::detect(const TickFrame& frame, const Scene& scene, const Join
 void TapTransient::move(TickFrame& frame, const Scene& scene, const Delay& delay, double period,
                         const JointLimits& limits) noexcept {
   State& s = state_;
-  delay_ = std::clamp(delay.ticks, 0, kMaxLoopDelay);
-  spread_ = delay.spread;
+  delay_ = std::clamp(delay.low, 0, kMaxLoopDelay);
+  spread_ = delay.high - delay.low;
   period_ = period;
   // A rate after a lost sample may be a difference over more than a tick.
   for (int i = 0; i < 6 && frame.age == 0 && s.missed == 0.0; ++i)

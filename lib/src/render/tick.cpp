@@ -121,8 +121,7 @@ Status HapticTick::findContacts(double time, double elapsed) noexcept {
 Status HapticTick::render(Status status) noexcept {
   if (status == Status::ok) {
     if (scene_.hasTaps())
-      tap_.move(frame_, scene_.scene(), {renderer_->delay(), renderer_->delaySpread()}, guard_.options().period,
-                mechanism_.limits());
+      tap_.move(frame_, scene_.scene(), renderer_->delay(), guard_.options().period, mechanism_.limits());
     status = renderer_->step(frame_, frame_.output);
     if (scene_.hasTaps()) tap_.push(frame_);
   } else {

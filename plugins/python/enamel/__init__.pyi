@@ -1,7 +1,7 @@
 # Types of the package. For documentation see help(enamel.NAME).
 from os import PathLike
 from pathlib import Path
-from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Union, overload
+from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -116,10 +116,7 @@ class Scene:
         hysteresis: float = ...,
         puncture: float = ...,
     ) -> None: ...
-    @overload
-    def set_tap(self, obstacle: int, material: str) -> None: ...
-    @overload
-    def set_tap(self, obstacle: int, frequency: float, decay: float) -> None: ...
+    def set_tap(self, obstacle: int, tap: Union[str, Tuple[float, float]]) -> None: ...
     def suspend(
         self,
         obstacle: int,

@@ -9,23 +9,19 @@
 namespace enamel {
 
 /// How a handle vibrates after a tap at v m/s: a(t) = v (B^2 + w^2) / w exp(-B t) sin(w t), w = 2 pi f. This force
-/// stops the tool. Sources: Okamura, Dennerlein and Howe 1998; Kuchenbecker, Fiene and Niemeyer 2006.
+/// stops the tool. Source of the waveform: Okamura, Cutkosky and Dennerlein 2001.
 struct Tap {
-  double frequency = 0.0;  ///< f, Hz; 0: no transient
-  double decay = 0.0;      ///< B, 1/s
+  double frequency = 0.0;  ///< f, 10 to 1000 Hz; 0: no transient
+  double decay = 0.0;      ///< B, 0 to 2000 1/s
 };
 
-/// Limits of a tap, Hz and 1/s.
-inline constexpr double kLeastTapFrequency = 10.0, kMostTapFrequency = 1000.0, kMostTapDecay = 2000.0;
-
-/// A tap with a name; lib/docs/taps.md has the sources.
+/// The taps that have a name. lib/docs/taps.md shows where the numbers are from.
 struct NamedTap {
   const char* name;
   Tap tap;
 };
-
-/// List the taps with names. Realtime: yes.
-const std::array<NamedTap, 4>& namedTaps() noexcept;
+inline constexpr std::array<NamedTap, 4> kNamedTaps = {
+    {{"enamel", {310.0, 90.0}}, {"dentine", {200.0, 86.0}}, {"metal", {300.0, 90.0}}, {"plastic", {90.0, 80.0}}}};
 
 /// Return the tap of a name. Throws Error for another name. Realtime: no.
 Tap tapOf(const std::string& name);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "enamel/core/status.hpp"
+#include "enamel/device/haptic_device.hpp"
 #include "enamel/render/frame.hpp"
 
 namespace enamel {
@@ -47,11 +48,8 @@ class Renderer {
   /// Return whether step() reads the joint-space inertia and TickFrame::rows. If so, each tick computes them.
   virtual bool needsInertia() const noexcept { return false; }
 
-  /// Return the number of ticks until a command acts, as far as the renderer knows it. Realtime: yes.
-  virtual int delay() const noexcept { return 0; }
-
-  /// Return by how many ticks this delay varies at random. Realtime: yes.
-  virtual int delaySpread() const noexcept { return 0; }
+  /// Return the delay of the motors, as far as the renderer knows it. Realtime: yes.
+  virtual Delay delay() const noexcept { return {}; }
 
   /// Deactivate: step() then returns `inactive` until the next activate(). Realtime: no.
   void deactivate() noexcept { active_ = false; }

@@ -29,11 +29,6 @@ class TapTransient {
   /// Forget the impact. Realtime: yes.
   void reset() noexcept { state_ = State{}; }
 
-  /// Ticks until a command acts, and by how many they vary at random.
-  struct Delay {
-    int ticks = 0, spread = 0;
-  };
-
   /// Detect an impact, and move the surfaces in the frame as the renderer shall see them. `period`: s. The frame must
   /// have its contact rows. A delay that varies by half a period of the vibration or more starts no transient: a force
   /// might act with the opposite phase. Realtime: yes.
@@ -87,7 +82,7 @@ class TapTransient {
 
   State state_;
   // Of the present tick.
-  int delay_ = 0, spread_ = 0;
+  int delay_ = 0, spread_ = 0;  // least, ticks; by how much it varies at random
   double period_ = 1e-3;  // s
   JointVector rendered_;  // the renderer's torque
   std::array<Contact, kMaxContacts> seen_;
