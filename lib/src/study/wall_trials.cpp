@@ -142,19 +142,24 @@ bool ramp(const Context& c, Figures& figures) {
   });
 }
 
-// Throw the tool at the wall. `seen` also gets whether the tool has touched it. `trace` gets the tap.
-bool strike(const Context& c, double speed, const Tap& tap, std::vector<TapSample>& trace,
+// Move the tool to the wall at a speed, then hold it with the preload. `isThrown`: free except for noise on the last
+// 0.3 mm. Otherwise the hand moves it until it touches, and its integral term overcomes the friction of the device.
+// `seen` also gets whether the tool has touched the wall. `trace` gets the tap.
+bool strike(const Context& c, double speed, bool isThrown, const Tap& tap, std::vector<TapSample>& trace,
             const std::function<void(const TickRecord&, bool)>& seen) {
+  constexpr double kGain = 60.0;  // 1/s
   bool touched = false;
+  double behind = 0.0;  // m
   Hand hand;
   hand.height = 0.02;
   hand.duration = 0.06 / speed + 0.4;
   hand.tap = tap;
   hand.force = [&](int, bool, const TickRecord& last) {
-    // Controlled to its speed, then free except for noise until it touches.
     if (touched) return along(-c.share * kPreload);
-    const bool led = last.pose.position.z() > 3e-4 + speed * c.late;
-    return along(led ? -60.0 * c.mass * (last.twist[2] + speed) : 0.0);
+    if (isThrown && last.pose.position.z() <= 3e-4 + speed * c.late) return along(0.0);
+    const double tooSlow = last.twist[2] + speed;
+    if (!isThrown) behind += tooSlow * c.setup.period;
+    return along(-kGain * c.mass * (tooSlow + 0.25 * kGain * behind));  // critically damped
   };
   const bool stayed = perform(c, hand, [&](int, const TickRecord& tick) {
     if (!trace.empty()) trace.back().acceleration = (tick.gapRate - trace.back().rate) / c.setup.period;
@@ -171,7 +176,7 @@ bool impact(const Context& c, double speed, Figures& figures) {
   int since = 0;                      // ticks
   figures[1] = 0.0;
   std::vector<TapSample> trace;
-  const bool stayed = strike(c, speed, {}, trace, [&](const TickRecord& tick, bool touched) {
+  const bool stayed = strike(c, speed, true, {}, trace, [&](const TickRecord& tick, bool touched) {
     const double gap = tick.nearest.gap;
     // The wall may push from kTouch and the way of a tick on.
     if (since == 0 && tick.rendered[2] > 0.3) early = std::max(early, gap - (kTouch - c.setup.period * tick.gapRate));
@@ -188,7 +193,7 @@ bool impact(const Context& c, double speed, Figures& figures) {
 bool tapAt(const Context& c, const Tap& tap, Figures& figures) {
   const double speed = 0.1 + 0.4 * c.random.uniform(RandomStream::Purpose::force, 0);
   std::vector<TapSample> trace;
-  const bool stayed = strike(c, speed, tap, trace, [](const TickRecord&, bool) {});
+  const bool stayed = strike(c, speed, false, tap, trace, [](const TickRecord&, bool) {});
   const TapMetrics m = tapMetrics(trace, c.setup.tap);
   figures = {m.rateHardness, m.extendedRateHardness, m.dynamicStiffness, m.match};
   return stayed;

@@ -57,7 +57,7 @@ std::vector<std::string> wallTrialNames();
 ///   before the touch. Also the extended rate-hardness: the largest rate of the motors' force until 30 ms after the
 ///   touch, over the speed before it, lowest run (Han and Choi, "Extended rate-hardness", 2010). For a spring it is its
 ///   stiffness.
-/// - tap plain: thrown at 0.1 to 0.5 m/s, then held with 1 N. Figures: means of TapMetrics.
+/// - tap plain: moved to the wall at 0.1 to 0.5 m/s until it touches, then held with 1 N. Figures: means of TapMetrics.
 /// - tap transient: the same at a wall that has the tap of the material.
 /// - release: 12 N change to a pull of 1 N at a random time within a tick. Figures: strongest pull of the wall; speed 1
 ///   mm outside, worst and mean. The speed is relative to a wall that releases t1 after a step at a sample.
