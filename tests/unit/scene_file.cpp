@@ -278,7 +278,8 @@ TEST_CASE("scene files: taps are read", "[scene]") {
        {std::pair{"tap = \"wood\"\n", "tap: is \"wood\", must be one of \"enamel\", \"dentine\""},
         {"tap = 200\n", "tap: is an integer, must be a list of numbers"},
         {"tap = [200]\n", "tap: has 1 numbers, must have 2: Hz and 1/s"},
-        {"tap = [5, 90]\n", "tap: is out of range: a tap has a frequency of 10 to 1000 Hz and a decay of 0 to 2000 1/s"},
+        {"tap = [5, 90]\n",
+         "tap: is out of range: a tap has a frequency of 10 to 1000 Hz and a decay of 0 to 2000 1/s"},
         {"tap = [300, 3000]\n", "not 300 Hz and 3000 1/s"}})
     CHECK_THROWS_WITH(with(keys), test::ContainsSubstring(message));
 }

@@ -28,7 +28,7 @@ constexpr double kTick = 1e-3;  // s
 
 struct Case {
   std::string device = "tau-nominal.toml", plant = kClosedForm;
-  int delay = 0;           // ticks
+  int delay = 0;         // ticks
   double speed = 0.2;    // of the tap, m/s
   std::string tap = {};  // "": none
   bool spring = false;   // 50 to 60 N s/m and 10 to 15 kN/m on the TAU: of the best springs
@@ -77,8 +77,8 @@ class Bench {
     if (c.spring) {
       renderer_ = std::make_unique<ImpedanceRenderer>(ImpedanceOptions{5e4 * mass_, 250.0 * mass_});
     } else {
-      auto control =
-          std::make_unique<PositionControlRenderer>(positionControlFor(*mechanism_, kTick, c.delay, c.delay + c.spread));
+      auto control = std::make_unique<PositionControlRenderer>(
+          positionControlFor(*mechanism_, kTick, c.delay, c.delay + c.spread));
       control_ = control.get();
       renderer_ = std::move(control);
     }

@@ -91,13 +91,12 @@ void TapTransient::detect(const TickFrame& frame, const Scene& scene, const Join
     if (spread_ * T * tap.frequency >= kMostPhase) continue;
     isTouching = isTouching || c.gap <= 0.0;
     const double speed = -c.normal.dot(translationAt(twist, c.point - k.pose.position) - c.obstacleVelocity);
-    if (s.touched != 0.0 || !(speed > kTapSpeed)) continue;
     const ContactRow& row = frame.rows.row[i];
     double step = 0.0;  // of the encoders along the normal, m
     for (int j = 0; j < k.jacobian.cols(); ++j)
       step = std::hypot(step, row.normal[static_cast<std::size_t>(j)] * limits.encoderStep[j]);
     const double vibrates = s.obstacle < 0.0 ? 0.0 : s.speed * std::exp(-s.decay * s.elapsed);
-    if (!(speed > std::max(kTapSpeed + kTapFollow * step / T, kNextTap * vibrates)) ||
+    if (s.touched != 0.0 || !(speed > std::max(kTapSpeed + kTapFollow * step / T, kNextTap * vibrates)) ||
         c.gap > speed * (delay_ + frame.age + 1) * T + kTapNear)
       continue;
     const double mass = row.mass, most = std::min(largestForce(k, frame.maxTorque, c.point, c.normal),

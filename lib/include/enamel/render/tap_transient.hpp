@@ -83,8 +83,8 @@ class TapTransient {
   State state_;
   // Of the present tick.
   int delay_ = 0, spread_ = 0;  // least, ticks; by how much it varies at random
-  double period_ = 1e-3;  // s
-  JointVector rendered_;  // the renderer's torque
+  double period_ = 1e-3;        // s
+  JointVector rendered_;        // the renderer's torque
   std::array<Contact, kMaxContacts> seen_;
 };
 
