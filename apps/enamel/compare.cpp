@@ -30,7 +30,8 @@ void setDefaults(const CLI::App& command, CompareOptions& options) {
   unless("--plants", options.plants, folder ? Names{kClosedForm, kImperfectStiff, kImperfect} : Names{kClosedForm});
   unless("--delays", options.delays,
          folder ? Names{"none", "constant:1", "constant:2", "constant:3", "random:0..3"} : Names{"none"});
-  unless("--tasks", options.tasks, folder ? Names{kPush, "impact", "release", "slide", "corner"} : wallTrialNames());
+  unless("--tasks", options.tasks,
+         folder ? Names{kPush, "impact", "tap", "release", "slide", "corner"} : wallTrialNames());
   unless("--renderers", study.renderers,
          folder ? Names{kPositionControl, kHold, "tuned:hold", "tuned:hold-delay", "tuned:virtual-coupling",
                         "tuned:passivity", "tuned:passivity-memory", "tuned:impedance", kEdge, kImpedance}
@@ -70,9 +71,9 @@ void addCompare(CLI::App& app) {
   command
       ->add_option("--tasks", options->tasks,
                    "push (the scenarios of enamel study, needs --output), or parts of the names step, ramp, impact, "
-                   "release, slide, corner, pulse, overload")
+                   "tap, release, slide, corner, pulse, overload")
       ->delimiter(',')
-      ->default_str("all but push; with --output push,impact,release,slide,corner");
+      ->default_str("all but push; with --output push,impact,tap,release,slide,corner");
   command->add_option("--stiffness", study.impedance.stiffness, "stiffness of impedance and passivity, N/m")
       ->capture_default_str();
   command->add_option("--damping", study.impedance.damping, "damping of impedance and passivity, N s/m")

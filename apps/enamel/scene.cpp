@@ -110,6 +110,7 @@ void run(const SceneOptions& options) {
     } else {
       fmt::print("{:<12} {}\n", "", materialText(obstacle.material));
     }
+    if (obstacle.tap.frequency > 0.0) fmt::print("{:<12} a tap rings at {:.3g} Hz\n", "", obstacle.tap.frequency);
     if (obstacle.suspension) fmt::print("{:<12} {}\n", "", suspensionText(*obstacle.suspension));
   }
   if (file.bur) fmt::print("{:<12} part {} of the tool cuts\n", "bur", file.bur->part);

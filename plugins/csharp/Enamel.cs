@@ -402,6 +402,9 @@ namespace Enamel
         public static extern int enamel_set_suspension(IntPtr session, EnamelObstacle obstacle, ref EnamelSuspension suspension);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_set_tap(IntPtr session, EnamelObstacle obstacle, double frequency, double decay);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_activate(IntPtr session, EnamelObstacle obstacle, int active);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]

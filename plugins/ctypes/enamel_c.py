@@ -486,6 +486,7 @@ _FUNCTIONS = {
     "enamel_move": (c_int32, [c_void_p, EnamelObstacle, POINTER(EnamelPose), POINTER(c_double)]),
     "enamel_set_material": (c_int32, [c_void_p, EnamelObstacle, POINTER(EnamelMaterial)]),
     "enamel_set_suspension": (c_int32, [c_void_p, EnamelObstacle, POINTER(EnamelSuspension)]),
+    "enamel_set_tap": (c_int32, [c_void_p, EnamelObstacle, c_double, c_double]),
     "enamel_activate": (c_int32, [c_void_p, EnamelObstacle, c_int32]),
     "enamel_move_vertices": (c_int32, [c_void_p, EnamelObstacle, POINTER(c_int32), POINTER(c_double), c_size_t]),
     "enamel_restore": (c_int32, [c_void_p, EnamelObstacle]),

@@ -1,5 +1,7 @@
 // Scenes, meshes and contacts in Python. The headers in lib/include describe the functions.
 #include <limits>
+#include <tuple>
+#include <variant>
 
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/mesh_file.hpp"
@@ -192,6 +194,19 @@ void addObstacles(SceneClass& scene) {
           "Make the surface of an obstacle a compliant layer. At a depth of x m it pushes with stiffness x (x / 1 "
           "mm)^(exponent - 1) / (1 - x / thickness), times 1 + hysteresis x' while x grows by x' m/s. A force of "
           "`puncture` N breaks it. Raises Error if a number is not valid.")
+      .def(
+          "set_tap",
+          [](SceneFile& self, int obstacle, const std::variant<std::string, std::pair<double, double>>& tap) {
+            Obstacle changed = obstacleAt(self, obstacle);
+            if (const auto* const name = std::get_if<std::string>(&tap))
+              changed.tap = tapOf(*name);
+            else
+              std::tie(changed.tap.frequency, changed.tap.decay) = std::get<1>(tap);
+            self.scene.replace(obstacle, std::move(changed));
+          },
+          py::arg("obstacle"), py::arg("tap"),
+          "Let the handle vibrate after an impact on an obstacle. `tap` is enamel, dentine, metal or plastic, or a "
+          "frequency (Hz) and a decay (1/s); both 0: no vibration. Raises Error for another name or number.")
       .def(
           "suspend",
           [](SceneFile& self, int obstacle, const Array& inertia, const Array& stiffness, const Array& damping,

@@ -119,6 +119,14 @@ class Scenes(unittest.TestCase):
             scene.soften(ball, 1500.0, exponent=0.5)
         with self.assertRaisesRegex(enamel.Error, "a puncture force needs a thickness"):
             scene.soften(ball, 1500.0, puncture=3.0)
+        scene.set_tap(box, "enamel")
+        scene.set_tap(box, (300, 90))
+        with self.assertRaisesRegex(enamel.Error, 'must be one of "enamel"'):
+            scene.set_tap(box, "wood")
+        with self.assertRaisesRegex(enamel.Error, "a frequency of 10 to 1000 Hz"):
+            scene.set_tap(box, tap=(5, 90))
+        with self.assertRaisesRegex(enamel.Error, "no obstacle 7"):
+            scene.set_tap(7, "metal")
         with self.assertRaisesRegex(enamel.Error, "ball"):
             scene.add_sphere("ball", (0, 0, 1), 0.25)
         with self.assertRaisesRegex(enamel.Error, "is not a mesh"):

@@ -96,6 +96,41 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
   }
 }
 
+TEST_CASE("taps with transients allocate nothing", "[tick]") {
+  const TauMechanism device(test::nominal());
+  Obstacle enamel = halfSpace("enamel", Vec3::Zero(), Vec3::UnitZ());
+  enamel.tap = tapOf("enamel");
+  Scene scene;
+  scene.add(enamel);
+  ImpedanceRenderer spring({6000.0, 0.0});
+  PositionControlRenderer servo = test::positionControl(device, 0, 1);
+  for (Renderer* renderer : {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring)}) {
+    HapticTick tick(device, scene, Tool(), *renderer, 1e-3);
+    std::vector<double> state(tick.stateSize() / sizeof(double) + 1);
+    Measurement m;
+    Command command;
+    Kinematics k;
+    int vibrates = 0;
+    const long before = test::allocationCount();
+    for (int i = 0; i < 2000; ++i) {
+      Pose pose;
+      Vec6 twist = Vec6::Zero();
+      pose.position.z() = 2e-4 + 4e-4 * std::sin(0.25 * i);
+      twist[2] = 0.1 * std::cos(0.25 * i);
+      if (device.reach(pose, twist, false, k) != Status::ok) continue;
+      m.time = 1e-3 * i;
+      m.q = k.q;
+      m.rates = k.rates;
+      if (tick(m, command) != Status::ok) tick.reset();
+      vibrates += tick.tap().force() != 0.0;
+      tick.saveState(state.data());
+      tick.loadState(state.data());
+    }
+    CHECK(test::allocationCount() == before);
+    CHECK(vibrates > 500);
+  }
+}
+
 TEST_CASE("a loop on the virtual device allocates nothing", "[realtime]") {
   const TauMechanism device(test::nominal());
   HoldRenderer hold = test::holdRenderer();

@@ -262,6 +262,7 @@ TEST_CASE("NULL and wrong sizes are errors of every function", "[c]") {
                                     enamel_move(nullptr, id, &pose, nullptr),
                                     enamel_set_material(nullptr, id, nullptr),
                                     enamel_set_suspension(nullptr, id, nullptr),
+                                    enamel_set_tap(nullptr, id, 300.0, 90.0),
                                     enamel_activate(nullptr, id, 1),
                                     enamel_move_vertices(nullptr, id, &flag, numbers, 1),
                                     enamel_restore(nullptr, id),

@@ -62,6 +62,7 @@ TEST_CASE("a scene says what it is made of and what a tick of it costs, a broken
              ContainsSubstring("caries: 4000 N/m, friction 0.3, exponent 1.5 (the stiffness is that at 1 "
                                "mm), hysteresis 2 s/m\n"));
   CHECK_THAT(caries.output, ContainsSubstring("layer of 1.7 mm, hysteresis 2 s/m, breaks at 3 N\n"));
+  CHECK_THAT(test::run("scene " + scenes + "taps.toml").output, ContainsSubstring("a tap rings at 310 Hz"));
   const test::CommandResult none = test::run("scene " + (folder / "none.toml"));
   CHECK(none.status == 1);
   CHECK_THAT(none.output, ContainsSubstring("none.toml") && ContainsSubstring("obstacle"));

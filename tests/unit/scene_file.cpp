@@ -253,6 +253,33 @@ TEST_CASE("scene files: a compliant layer is read", "[scene]") {
   CHECK(scene.add(ball) == 0);
 }
 
+TEST_CASE("scene files: taps are read", "[scene]") {
+  const auto with = [](const std::string& keys) {
+    return parseScene(
+               "name = \"a\"\nstart = [0, 0, 0.1]\n[[obstacle]]\nname = \"b\"\nshape = \"sphere\"\n"
+               "centre = [0, 0, 0]\nradius = 0.01\n" +
+                   keys,
+               "s.toml")
+        .scene.obstacles()[0]
+        .tap;
+  };
+  CHECK(with("").frequency == 0.0);
+  for (const NamedTap& known : kNamedTaps) {
+    const Tap read = with("tap = \"" + std::string(known.name) + "\"\n");
+    CHECK((read.frequency == known.tap.frequency && read.decay == known.tap.decay));
+  }
+  const Tap own = with("tap = [200, 0]\n");
+  CHECK((own.frequency == 200.0 && own.decay == 0.0));
+  for (const auto& [keys, message] :
+       {std::pair{"tap = \"wood\"\n", "tap: is \"wood\", must be one of \"enamel\", \"dentine\""},
+        {"tap = 200\n", "tap: is an integer, must be a list of numbers"},
+        {"tap = [200]\n", "tap: has 1 numbers, must have 2: Hz and 1/s"},
+        {"tap = [5, 90]\n",
+         "tap: is out of range: a tap has a frequency of 10 to 1000 Hz and a decay of 0 to 2000 1/s"},
+        {"tap = [300, 3000]\n", "not 300 Hz and 3000 1/s"}})
+    CHECK_THROWS_WITH(with(keys), test::ContainsSubstring(message));
+}
+
 TEST_CASE("scene files: what is refused, and how", "[scene]") {
   requireRefused("name = \"test\"\n", "", "scene.toml:1: name: is missing");
   requireRefused("name = \"test\"", "platform = {}",
@@ -274,7 +301,7 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
   requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, 2.0]\nsize = [1, 1, 1]",
                  "scene.toml:8: obstacle[0].size: is not a known key; possible are exponent, friction, hysteresis, "
                  "layer_thickness, name, "
-                 "normal, point, puncture_force, shape, sliding_friction, stiffness, suspension, viscosity");
+                 "normal, point, puncture_force, shape, sliding_friction, stiffness, suspension, tap, viscosity");
   requireRefused("name = \"box\"", "name = \"wall\"",
                  "scene.toml:9: obstacle[1].name: is \"wall\", which is also the name of another obstacle");
   requireRefused("size = [0.02, 0.03, 0.04]", "size = [0.02, 0.0, 0.04]",
@@ -290,7 +317,7 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
       "friction = 0.3", "friction = 0.3\ncolour = 1",
       "scene.toml:15: obstacle[1].colour: is not a known key; possible are centre, euler_deg, exponent, friction, "
       "hysteresis, "
-      "layer_thickness, name, puncture_force, shape, size, sliding_friction, stiffness, suspension, viscosity");
+      "layer_thickness, name, puncture_force, shape, size, sliding_friction, stiffness, suspension, tap, viscosity");
   CHECK_THROWS_WITH(parseScene("name = \"a\"\nstart = [0, 0, 0]\nobstacle = []\n", "s.toml"),
                     "s.toml:3: obstacle: has 0 elements, must be 1 to 64");
   CHECK_THROWS_WITH(loadScene("/no/such/scene.toml"),

@@ -395,6 +395,27 @@ TEST_CASE("two sessions push one tooth, and each tool feels the other", "[sessio
   CHECK_THROWS_WITH(first->setSuspension(id, suspension), ContainsSubstring("suspension must be at least 0"));
 }
 
+TEST_CASE("a session sets the tap of an obstacle", "[session]") {
+  Session session(definition());
+  VirtualDevice device(session.mechanism(), Bench::setupOf(session));
+  SessionObstacle block;
+  block.name = "block";
+  block.shape = Box{{0.02, 0.02, 0.01}};
+  block.pose.position = {0.0, 0.0, -0.01};
+  const ObstacleId id = session.add(block);
+  const auto hasTaps = [&] {
+    test::tickOnce(session, device, 0.0);
+    test::tickOnce(session, device, 0.0);
+    return session.haptics().scene().hasTaps();
+  };
+  CHECK_FALSE(hasTaps());
+  session.setTap(id, tapOf("metal"));
+  CHECK(hasTaps());
+  session.setTap(id, {});
+  CHECK_FALSE(hasTaps());
+  CHECK_THROWS_WITH(session.setTap(id, {5.0, 90.0}), ContainsSubstring("a frequency of 10 to 1000 Hz"));
+}
+
 TEST_CASE("a bur that comes after spin() spins", "[session]") {
   test::TwoBurs burs({0.0, 0.0, 20e-3});
   Session& session = *burs.first;

@@ -6,6 +6,7 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
@@ -147,6 +148,18 @@ TEST_CASE("the extended rate-hardness of a spring is its stiffness", "[wall_tria
     for (const char* trial : {"impact 0.2 m/s", "impact 0.5 m/s"})
       CHECK(figure(figures, trial, "extended rate-hardness") == Approx(1e-3 * stiffness).epsilon(0.05));
   }
+}
+
+TEST_CASE("a hand taps against the friction of a light device, and the transient is nearer to the material",
+          "[wall_trials]") {
+  WallTrialSetup setup = setupFor("touch.toml", 1);
+  VirtualDeviceSetup device;
+  device.encoders = {true, RateSource::difference};
+  setup.makePlant = plantMaker(kImperfect, loadDevice(test::deviceFile("touch.toml")), {}, device);
+  setup.runs = 20;
+  const auto taps = runWallTrials(setup, "tap", 2);
+  for (const WallFigure& f : taps) CHECK(f.lost == 0);
+  CHECK(figure(taps, "tap transient", "mean match") > figure(taps, "tap plain", "mean match"));
 }
 
 TEST_CASE("a wall that lets go gives the unavoidable speed on average", "[wall_trials]") {

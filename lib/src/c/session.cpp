@@ -273,6 +273,10 @@ std::int32_t enamel_set_material(EnamelSession* session, EnamelObstacle obstacle
                  [&](Session& s) { s.setMaterial(idOf(obstacle), c::materialOf(*material)); });
 }
 
+std::int32_t enamel_set_tap(EnamelSession* session, EnamelObstacle obstacle, double frequency, double decay) {
+  return run(session, [&](Session& s) { s.setTap(idOf(obstacle), {frequency, decay}); });
+}
+
 std::int32_t enamel_set_suspension(EnamelSession* session, EnamelObstacle obstacle,
                                    const EnamelSuspension* suspension) {
   return run(session, [&](Session& s) { s.setSuspension(idOf(obstacle), c::suspensionOf(suspension)); });

@@ -61,6 +61,9 @@ void Scene::check(const Obstacle& obstacle, std::size_t number) const {
   if (!sized)
     throw Error(name + ": the size of the shape must be positive and finite, its mesh or solid must not be null");
   checkMaterial(obstacle.material, name);
+  checkTap(obstacle.tap, name);
+  if (obstacle.tap.frequency > 0.0 && std::holds_alternative<std::shared_ptr<const Solid>>(obstacle.shape))
+    throw Error(name + ": a solid has the taps of its layers");
   const bool isMesh = std::holds_alternative<std::shared_ptr<const MeshModel>>(obstacle.shape);
   if (!(obstacle.thickness >= 0.0 && std::isfinite(obstacle.thickness)) || (obstacle.thickness > 0.0 && !isMesh))
     throw Error(name + ": the thickness must be at least 0 m and finite, and 0 m unless the shape is a mesh");
@@ -114,6 +117,22 @@ bool isSameObstacle(const Scene& before, const Scene& now, std::size_t number) n
   if (!a.active || !b.active || a.thickness != b.thickness || a.name != b.name || a.shape.index() != b.shape.index())
     return false;
   return isSame<0>(a.shape, b.shape);
+}
+
+Tap tapOf(const std::string& name) {
+  std::string names;
+  for (const NamedTap& known : kNamedTaps) {
+    if (name == known.name) return known.tap;
+    names += (names.empty() ? "\"" : ", \"") + std::string(known.name) + '"';
+  }
+  throw Error("is \"" + name + "\", must be one of " + names);
+}
+
+void checkTap(const Tap& tap, const std::string& name) {
+  const bool isOff = tap.frequency == 0.0 && tap.decay == 0.0;
+  if (!isOff && !(tap.frequency >= 10.0 && tap.frequency <= 1000.0 && tap.decay >= 0.0 && tap.decay <= 2000.0))
+    throw Error(name + ": a tap has a frequency of 10 to 1000 Hz and a decay of 0 to 2000 1/s, or both 0; not " +
+                formatNumber(tap.frequency) + " Hz and " + formatNumber(tap.decay) + " 1/s");
 }
 
 void checkMaterial(const Material& m, const std::string& name) {

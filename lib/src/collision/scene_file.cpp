@@ -131,6 +131,21 @@ Obstacle readMesh(TomlTable& table, const std::string& sceneFile, SpareCapacity 
   return mesh;
 }
 
+// The name of a material, or a frequency (Hz) and a decay (1/s).
+void readTap(TomlTable& table, Tap& tap) {
+  if (!table.has("tap")) return;
+  const std::string name = table.isText("tap") ? table.text("tap") : "";
+  const std::vector<double> numbers = name.empty() ? table.numbers("tap") : std::vector<double>();
+  if (name.empty() && numbers.size() != 2)
+    table.fail("tap", "has " + std::to_string(numbers.size()) + " numbers, must have 2: Hz and 1/s");
+  try {
+    tap = name.empty() ? Tap{numbers[0], numbers[1]} : tapOf(name);
+    checkTap(tap, "is out of range");
+  } catch (const Error& error) {
+    table.fail("tap", error.what());
+  }
+}
+
 // Every key is optional. The default is a rigid surface without friction.
 void readMaterial(TomlTable& table, Material& material) {
   const auto read = [&table](const char* key, double low, double high, const std::string& unit, double& value) {
@@ -193,6 +208,7 @@ SolidLayer readLayer(TomlTable& table, const std::string& sceneFile, double scal
   if (table.has("depth")) layer.depth = length(table, "depth", 0.0, kLargestSize);
   if (table.has("file")) layer.within = std::make_shared<const MeshModel>(readMeshFile(table, sceneFile, scale));
   readMaterial(table, layer.material);
+  readTap(table, layer.tap);
   table.finish();
   return layer;
 }
@@ -238,6 +254,7 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
                "is \"" + shape + "\", must be \"half_space\", \"box\", \"sphere\", \"capsule\", \"mesh\" or \"solid\"");
   obstacle.name = name;
   readMaterial(table, obstacle.material);
+  readTap(table, obstacle.tap);
   obstacle.suspension = readSuspension(table);
   table.finish();
   return obstacle;

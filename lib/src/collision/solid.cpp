@@ -52,6 +52,7 @@ void checkLayers(const std::vector<SolidLayer>& layers) {
   double depth = 0.0;
   for (const SolidLayer& layer : layers) {
     checkMaterial(layer.material, "layer \"" + layer.name + "\"");
+    checkTap(layer.tap, "layer \"" + layer.name + "\"");
     if (!(layer.hardness > 0.0 && std::isfinite(layer.hardness)))
       throw Error("layer \"" + layer.name + "\": hardness is " + formatNumber(layer.hardness) +
                   ", must be greater than 0 Pa");

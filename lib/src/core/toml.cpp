@@ -68,6 +68,7 @@ bool TomlTable::has(std::string_view key) const {
   asked_.emplace(key);
   return table_->contains(key);
 }
+bool TomlTable::isText(std::string_view key) const { return table_->get_as<std::string>(key) != nullptr; }
 
 int TomlTable::line(std::string_view path) const {
   for (std::string_view rest = path; !rest.empty();) {

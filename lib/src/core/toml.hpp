@@ -49,6 +49,7 @@ class TomlTable {
   /// Return the line of a key or of a path such as "chain[0].link1.mass"; if it is missing, that of its closest parent.
   int line(std::string_view path) const;
 
+  bool isText(std::string_view key) const;
   std::string text(std::string_view key);
   double number(std::string_view key);
   std::int64_t integer(std::string_view key);

@@ -259,6 +259,8 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
   if (!frame.applied && frame.command.size() == joints_)
     for (int j = 0; j < joints_; ++j)
       m.sent[0][j] = frame.maxTorque[j] > 0.0 ? frame.command[j] - frame.kinematics.gravity[j] : 0.0;
+  for (int j = 0; frame.applied && frame.added.size() == joints_ && j < joints_; ++j)
+    if (frame.maxTorque[j] > 0.0) m.sent[0][j] += frame.added[j];
   JointRow acted = acting(0), rates{};
   if (frame.applied)
     for (int j = 0; j < joints_; ++j) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];

@@ -72,15 +72,19 @@ Status HapticTick::tick(const Measurement& measurement) noexcept {
   const double elapsed = sampleTime_ == kNever ? 0.0 : std::min(measurement.time - sampleTime_, kLongestStep);
   Status status = sense(measurement);
   if (status == Status::ok && isSample) status = findContacts(measurement.time, elapsed);
-  if (status == Status::ok && isSample && renderer_->needsInertia()) status = fillContactRows(frame_);
+  if (status == Status::ok && isSample && needsInertia()) status = fillContactRows(frame_);
   status = render(status);
   guard_.step(measurement, status, frame_);
+  if (scene_.hasTaps() && status == Status::ok) tap_.sent(frame_);
   const bool isStopped = guard_.fault() != GuardReason::none;
   scene_.motion().scaleForces(status == Status::ok ? frame_.age / (frame_.age + 1.0) : 0.0);
   if (status == Status::ok && frame_.yield.isAny) react();
   if (status == Status::ok) scene_.compliance().press(frame_.output, guard_.options().period, frame_.contacts);
   if (status == Status::ok && isSample) cut((1 + lost) * guard_.options().period, isStopped);
-  if (guard_.options().on && !isStopped && !guard_.engaged()) renderer_->reset();
+  if (guard_.options().on && !isStopped && !guard_.engaged()) {
+    renderer_->reset();
+    tap_.reset();
+  }
   return status == Status::ok && isStopped ? Status::stopped : status;
 }
 
@@ -89,7 +93,7 @@ Status HapticTick::sense(const Measurement& m) noexcept {
   if (!isSample && sampleTime_ == kNever) return Status::stale;
   if (isSample) {
     sampleTime_ = kNever;  // until the configuration is known
-    const Status status = mechanism_.track(m.q, m.rates, renderer_->needsInertia(), frame_.kinematics);
+    const Status status = mechanism_.track(m.q, m.rates, needsInertia(), frame_.kinematics);
     if (status != Status::ok) return status;
   }
   frame_.time = m.time;
@@ -112,7 +116,10 @@ Status HapticTick::findContacts(double time, double elapsed) noexcept {
 
 Status HapticTick::render(Status status) noexcept {
   if (status == Status::ok) {
+    if (scene_.hasTaps())
+      tap_.move(frame_, scene_.scene(), renderer_->delay(), guard_.options().period, mechanism_.limits());
     status = renderer_->step(frame_, frame_.output);
+    if (scene_.hasTaps()) tap_.push(frame_);
   } else {
     frame_.output = TickOutput{};
     frame_.output.torque.setZero(mechanism_.joints());
@@ -166,6 +173,10 @@ void HapticTick::placeAt(const Pose& start) noexcept {
 
 void HapticTick::exchange(TickScene& other) noexcept {
   other.takeOver(scene_);
+  if (!other.hasTaps()) {
+    tap_.reset();
+    frame_.added = JointVector();
+  }
   std::swap(scene_, other);
 }
 
@@ -178,6 +189,7 @@ void HapticTick::reset() noexcept {
   guard_.reset();
   renderer_->reset();
   scene_.reset();
+  tap_.reset();
   sampleTime_ = kNever;
   frame_.age = 0;  // the time may begin again at 0
 }
@@ -185,6 +197,7 @@ void HapticTick::reset() noexcept {
 void HapticTick::restart(const Pose& start) noexcept {
   guard_.restart();
   renderer_->reset();
+  tap_.reset();
   sampleTime_ = kNever;
   placeAt(start);
   scene_.reset();
@@ -196,7 +209,8 @@ void HapticTick::restart(const Pose& start) noexcept {
 }
 
 std::size_t HapticTick::numbers() const noexcept {
-  return frameSize(mechanism_.joints()) + scene_.stateSize() + Guard::stateSize();
+  return frameSize(mechanism_.joints()) + scene_.stateSize() + (scene_.hasTaps() ? TapTransient::kNumbers : 0) +
+         Guard::stateSize();
 }
 
 void HapticTick::saveState(void* state) const noexcept {
@@ -210,6 +224,10 @@ void HapticTick::saveState(void* state) const noexcept {
     *at++ = number;
   scene_.saveState(at);
   at += scene_.stateSize();
+  if (scene_.hasTaps()) {
+    tap_.saveState(at);
+    at += TapTransient::kNumbers;
+  }
   guard_.saveState(at);
   renderer_->saveState(at + Guard::stateSize());
 }
@@ -236,6 +254,10 @@ void HapticTick::loadState(const void* state) noexcept {
   at = reason + 1;
   scene_.loadState(at);
   at += scene_.stateSize();
+  if (scene_.hasTaps()) {
+    tap_.loadState(at);
+    at += TapTransient::kNumbers;
+  }
   guard_.loadState(at);
   renderer_->loadState(at + Guard::stateSize());
 }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "enamel/render/tap_transient.hpp"
+
 namespace enamel {
 namespace {
 
@@ -18,7 +20,12 @@ bool isSame(const Tool& a, const Tool& b) noexcept {
 }  // namespace
 
 TickScene::TickScene(const Scene& scene, const Tool& tool)
-    : stated_(&scene), tool_(tool), motion_(scene), compliance_(scene), track_(makeToolTrack(scene, tool)) {}
+    : stated_(&scene),
+      tool_(tool),
+      motion_(scene),
+      compliance_(scene),
+      track_(makeToolTrack(scene, tool)),
+      hasTaps_(enamel::hasTaps(scene)) {}
 
 Status TickScene::findContacts(const Pose& pose, double time, double elapsed, ContactSnapshot& contacts) noexcept {
   const Scene& now = motion_.follow(*stated_, time, elapsed);

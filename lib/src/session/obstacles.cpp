@@ -37,8 +37,8 @@ bool isFlatWall(const Scene& scene, const session::SessionTool& tool) {
       std::isinf(m.stiffness) && m.friction == 0.0 && m.slidingFriction == 0.0 && m.viscosity == 0.0;
   const ToolPart& part = tool.tool.parts[0];
   const bool isPoint = tool.tool.count == 1 && part.a.isZero(0.0) && part.b.isZero(0.0) && part.radius == 0.0;
-  return !own.suspension && own.pose.position.isZero(0.0) && own.pose.rotation == wall.obstacles()[0].pose.rotation &&
-         isSmoothAndRigid && isPoint && !tool.bur;
+  return !own.suspension && own.tap.frequency == 0.0 && own.pose.position.isZero(0.0) &&
+         own.pose.rotation == wall.obstacles()[0].pose.rotation && isSmoothAndRigid && isPoint && !tool.bur;
 }
 
 std::string absoluteOf(const std::string& path) {
@@ -100,6 +100,16 @@ void Session::setMaterial(ObstacleId id, const Material& material) {
   Obstacle changed = next.scene.obstacles()[slot];
   require(!next.solids[slot], "obstacle \"" + changed.name + "\": a solid has the materials of its layers");
   changed.material = material;
+  next.scene.replace(id.slot, std::move(changed));
+  impl_->changeObstacles(std::move(next));
+}
+
+void Session::setTap(ObstacleId id, const Tap& tap) {
+  const Lock lock = impl_->lock();
+  const std::size_t slot = impl_->slotOf(id);
+  Obstacles next = impl_->group->obstacles;
+  Obstacle changed = next.scene.obstacles()[slot];
+  changed.tap = tap;
   next.scene.replace(id.slot, std::move(changed));
   impl_->changeObstacles(std::move(next));
 }

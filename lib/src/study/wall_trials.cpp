@@ -13,6 +13,7 @@
 #include "enamel/sim/hand.hpp"
 #include "enamel/study/metrics.hpp"
 #include "enamel/study/parallel.hpp"
+#include "enamel/study/tap_metrics.hpp"
 
 namespace enamel {
 namespace {
@@ -41,6 +42,7 @@ int ticks(const Context& c, double time) { return static_cast<int>(std::lround(t
 struct Hand {
   Vec3 normal = Vec3::UnitZ();
   std::optional<Vec3> second;  // normal of another wall through the same point
+  Tap tap = {};                // of the wall
   double height = 0.0;         // of the start above the wall, m
   double duration = 1.0;
   int jump = -1;                                                             // tick of the jump
@@ -53,7 +55,9 @@ bool perform(const Context& c, const Hand& hand, const std::function<bool(int, c
   const WallTrialSetup& s = c.setup;
   LoopSetup loopSetup;
   loopSetup.scene = Scene();
-  loopSetup.scene.add(halfSpace("wall", Vec3::Zero(), hand.normal));
+  Obstacle wall = halfSpace("wall", Vec3::Zero(), hand.normal);
+  wall.tap = hand.tap;
+  loopSetup.scene.add(wall);
   if (hand.second) loopSetup.scene.add(halfSpace("second wall", Vec3::Zero(), *hand.second));
   loopSetup.start.position = hand.height * hand.normal;
   loopSetup.encoders = {true, RateSource::difference};
@@ -138,44 +142,65 @@ bool ramp(const Context& c, Figures& figures) {
   });
 }
 
-bool impact(const Context& c, double speed, Figures& figures) {
+// Move the tool to the wall at a speed, then hold it with the preload. `isThrown`: free except for noise on the last
+// 0.3 mm. Otherwise the hand moves it until it touches, and its integral term overcomes the friction of the device.
+// `seen` also gets whether the tool has touched the wall. `trace` gets the tap.
+bool strike(const Context& c, double speed, bool isThrown, const Tap& tap, std::vector<TapSample>& trace,
+            const std::function<void(const TickRecord&, bool)>& seen) {
+  constexpr double kGain = 60.0;  // 1/s
   bool touched = false;
-  double deepest = 0.0, early = 0.0, arrived = 0.0, force = 0.0, steepest = 0.0;  // m, m, m/s, N, N/s
-  int since = 0;                                                                  // ticks
+  double behind = 0.0;  // m
   Hand hand;
   hand.height = 0.02;
   hand.duration = 0.06 / speed + 0.4;
+  hand.tap = tap;
   hand.force = [&](int, bool, const TickRecord& last) {
-    // Controlled to its speed, then free except for noise until it touches.
     if (touched) return along(-c.share * kPreload);
-    const bool led = last.pose.position.z() > 3e-4 + speed * c.late;
-    return along(led ? -60.0 * c.mass * (last.twist[2] + speed) : 0.0);
+    if (isThrown && last.pose.position.z() <= 3e-4 + speed * c.late) return along(0.0);
+    const double tooSlow = last.twist[2] + speed;
+    if (!isThrown) behind += tooSlow * c.setup.period;
+    return along(-kGain * c.mass * (tooSlow + 0.25 * kGain * behind));  // critically damped
   };
-  figures[1] = 0.0;
   const bool stayed = perform(c, hand, [&](int, const TickRecord& tick) {
-    const double gap = tick.nearest.gap;
-    if (!touched) {
-      const double near = kTouch - c.setup.period * tick.gapRate;  // the wall may push from here on
-      if (tick.rendered[2] > 0.3)
-        early = std::max(early, gap - near);
-      else
-        arrived = -tick.gapRate;
-    }
-    if (since < ticks(c, kImpactTime)) steepest = std::max(steepest, (tick.rendered[2] - force) / c.setup.period);
-    force = tick.rendered[2];
-    touched = touched || gap < kTouch;
-    if (!touched) return true;
-    if (++since < ticks(c, kImpactTime)) deepest = std::max(deepest, -gap);
-    figures[1] = std::max(figures[1], gap);
+    if (!trace.empty()) trace.back().acceleration = (tick.gapRate - trace.back().rate) / c.setup.period;
+    trace.push_back({tick.time, tick.nearest.gap, tick.gapRate, 0.0, tick.rendered[2]});
+    touched = touched || tick.nearest.gap < kTouch;
+    seen(tick, touched);
     return true;
   });
-  if (!touched) return false;
+  return stayed && touched;
+}
+
+bool impact(const Context& c, double speed, Figures& figures) {
+  double deepest = 0.0, early = 0.0;  // m
+  int since = 0;                      // ticks
+  figures[1] = 0.0;
+  std::vector<TapSample> trace;
+  const bool stayed = strike(c, speed, true, {}, trace, [&](const TickRecord& tick, bool touched) {
+    const double gap = tick.nearest.gap;
+    // The wall may push from kTouch and the way of a tick on.
+    if (since == 0 && tick.rendered[2] > 0.3) early = std::max(early, gap - (kTouch - c.setup.period * tick.gapRate));
+    if (!touched) return;
+    if (++since < ticks(c, kImpactTime)) deepest = std::max(deepest, -gap);
+    figures[1] = std::max(figures[1], gap);
+  });
   figures[0] = deepest / (speed * c.late + 0.5 * c.mass * speed * speed / (c.most - c.share * kPreload));
   figures[2] = early;
-  figures[3] = steepest / arrived;
+  figures[3] = tapMetrics(trace, c.setup.tap).extendedRateHardness;
   return stayed;
 }
 
+bool tapAt(const Context& c, const Tap& tap, Figures& figures) {
+  const double speed = 0.1 + 0.4 * c.random.uniform(RandomStream::Purpose::force, 0);
+  std::vector<TapSample> trace;
+  const bool stayed = strike(c, speed, false, tap, trace, [](const TickRecord&, bool) {});
+  const TapMetrics m = tapMetrics(trace, c.setup.tap);
+  figures = {m.rateHardness, m.extendedRateHardness, m.dynamicStiffness, m.match};
+  return stayed;
+}
+
+bool plainTap(const Context& c, Figures& figures) { return tapAt(c, {}, figures); }
+bool transientTap(const Context& c, Figures& figures) { return tapAt(c, c.setup.tap, figures); }
 bool slowImpact(const Context& c, Figures& figures) { return impact(c, 0.05, figures); }
 bool middleImpact(const Context& c, Figures& figures) { return impact(c, 0.2, figures); }
 bool fastImpact(const Context& c, Figures& figures) { return impact(c, 0.5, figures); }
@@ -315,12 +340,18 @@ const std::vector<Kind>& kinds() {
                                                  {"bounce", "um", 1e6},
                                                  {"pushed too early", "um", 1e6},
                                                  {"extended rate-hardness", "kN/m", 1e-3, true}};
+  const std::vector<FigureKind> tapFigures = {{"mean rate-hardness", "kN/m", 1e-3, true, true},
+                                              {"mean extended rate-hardness", "kN/m", 1e-3, true, true},
+                                              {"mean dynamic stiffness", "kN/m", 1e-3, true, true},
+                                              {"mean match", "%", 100.0, true, true}};
   static const std::vector<Kind> all = {
       {"step", step, {{"share of the limit", "%", 100.0, true}, {"bounce", "um", 1e6}, {"chatter", "N m", 1.0}}},
       {"ramp", ramp, {{"depth", "um", 1e6}}},
       {"impact 0.05 m/s", slowImpact, impactFigures},
       {"impact 0.2 m/s", middleImpact, impactFigures},
       {"impact 0.5 m/s", fastImpact, impactFigures},
+      {"tap plain", plainTap, tapFigures},
+      {"tap transient", transientTap, tapFigures},
       {"release",
        release,
        {{"speed over the unavoidable", "", 1.0},

@@ -116,6 +116,7 @@ class Scene:
         hysteresis: float = ...,
         puncture: float = ...,
     ) -> None: ...
+    def set_tap(self, obstacle: int, tap: Union[str, Tuple[float, float]]) -> None: ...
     def suspend(
         self,
         obstacle: int,

@@ -326,6 +326,8 @@ ENAMEL_API int32_t enamel_move(EnamelSession* session, EnamelObstacle obstacle, 
 ENAMEL_API int32_t enamel_set_material(EnamelSession* session, EnamelObstacle obstacle, const EnamelMaterial* material);
 ENAMEL_API int32_t enamel_set_suspension(EnamelSession* session, EnamelObstacle obstacle,
                                          const EnamelSuspension* suspension); /* NULL: a fixed obstacle */
+/* Vibration of the handle after a tap: 10 to 1000 Hz, 0 to 2000 1/s; both 0: none. */
+ENAMEL_API int32_t enamel_set_tap(EnamelSession* session, EnamelObstacle obstacle, double frequency, double decay);
 ENAMEL_API int32_t enamel_activate(EnamelSession* session, EnamelObstacle obstacle, int32_t active);
 ENAMEL_API int32_t enamel_move_vertices(EnamelSession* session, EnamelObstacle obstacle, const int32_t* vertices,
                                         const double* positions, size_t count);

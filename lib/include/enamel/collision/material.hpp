@@ -1,11 +1,30 @@
 // Mechanical properties of a surface at a contact.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
 
 namespace enamel {
+
+/// How a handle vibrates after a tap at v m/s: a(t) = v (B^2 + w^2) / w exp(-B t) sin(w t), w = 2 pi f. This force
+/// stops the tool. Source of the waveform: Okamura, Cutkosky and Dennerlein 2001.
+struct Tap {
+  double frequency = 0.0;  ///< f, 10 to 1000 Hz; 0: no transient
+  double decay = 0.0;      ///< B, 0 to 2000 1/s
+};
+
+/// The taps that have a name. lib/docs/taps.md shows where the numbers are from.
+struct NamedTap {
+  const char* name;
+  Tap tap;
+};
+inline constexpr std::array<NamedTap, 4> kNamedTaps = {
+    {{"enamel", {310.0, 90.0}}, {"dentine", {200.0, 86.0}}, {"metal", {300.0, 90.0}}, {"plastic", {90.0, 80.0}}}};
+
+/// Return the tap of a name. Throws Error for another name. Realtime: no.
+Tap tapOf(const std::string& name);
 
 /// Material of a surface. Default: rigid and without friction. A compliant one is in series with the wall. Its force at
 /// a compression of x m, which grows by x' m/s, is (forceOf(), render/compliance.hpp):
@@ -36,6 +55,9 @@ inline void scaleForces(Material& material, double factor) noexcept {
   material.viscosity *= factor;
   material.puncture *= factor;
 }
+
+/// Throw Error, beginning with `name`, if a number of the tap is outside its range. Realtime: no.
+void checkTap(const Tap& tap, const std::string& name);
 
 /// Throw Error, beginning with `name`, if a number of the material is outside its range. Realtime: no.
 void checkMaterial(const Material& material, const std::string& name);

@@ -37,6 +37,7 @@ struct Obstacle {
   double thickness = 0.0;     ///< above 0: the mesh is the middle of a sheet of this thickness, without an inside, m
   bool active = true;         ///< false: reserved for later; no query finds it
   std::shared_ptr<const Suspension> suspension = nullptr;  ///< null: contact forces do not move the obstacle
+  Tap tap = {};  ///< how the handle vibrates after an impact; a solid has a tap for each layer
 };
 
 /// Limits of an obstacle: distance from the origin of W along each axis (m), speed (m/s), turn rate (rad/s).
@@ -58,6 +59,7 @@ class Scene {
   /// - a material with a stiffness not above 0 N/m, friction outside 0 to 10, sliding friction outside 0 to the
   ///   friction, or a viscosity outside 0 to kLargestViscosity;
   /// - a thickness that is negative or not finite, or above 0 for a shape other than a mesh;
+  /// - a tap with a number outside its limits, or of a solid;
   /// - a suspension with a number that is not finite or negative (except `centre`), without inertia, or with one
   ///   between 0 and kLeastMovableInertia.
   int add(Obstacle obstacle);

@@ -22,6 +22,7 @@ struct SolidLayer {
   double hardness = 3e9;                    ///< Vickers hardness: force over area of an indentation, Pa
   double depth = 0.0;                       ///< depth below the surface of the uncut solid at which it begins, m
   std::shared_ptr<const MeshModel> within;  ///< if set: a closed mesh at whose surface it begins instead
+  Tap tap = {};                             ///< how the handle vibrates after an impact on it
 };
 
 inline constexpr int kMaxSolidLayers = 8;

@@ -45,6 +45,14 @@ struct Command {
   double gripper = 0.0;  ///< force of the gripper's motor, N, opening it; devices without one ignore it
 };
 
+/// Delay between a tick's torque and the motors, in ticks. The torque computed at tick j acts from tick j + d. If low <
+/// high, each tick draws its own d uniformly, and the motors receive the torque computed at tick j - d. Commands may
+/// then be repeated or skipped.
+struct Delay {
+  int low = 0;
+  int high = 0;
+};
+
 /// A device that is measured and then actuated once a tick, between open() and close(). The virtual device and all
 /// drivers implement it.
 class HapticDevice {

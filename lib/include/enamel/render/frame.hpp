@@ -95,6 +95,8 @@ struct TickFrame {
   TickOutput output;
 
   // Guard.
+  /// Torque added to the renderer's last one after a tap, N m or N; empty: zero or unknown. `command` contains it.
+  JointVector added;
   JointVector command;  ///< torque for the motors, N m or N; for the renderer: that of the last tick, empty: unknown
   GuardReason reason = GuardReason::none;  ///< why the command differs from the requested torque
 };

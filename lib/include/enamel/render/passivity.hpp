@@ -41,6 +41,7 @@ class PassivityRenderer final : public Renderer {
   explicit PassivityRenderer(std::unique_ptr<Renderer> wall, PassivityBound bound = PassivityBound::energy);
 
   bool needsInertia() const noexcept override { return wall_->needsInertia(); }
+  Delay delay() const noexcept override { return wall_->delay(); }
 
   /// Return E, J; with PassivityBound::memory the sum over the layers. Realtime: yes.
   double energy() const noexcept;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "enamel/core/status.hpp"
+#include "enamel/device/haptic_device.hpp"
 #include "enamel/render/frame.hpp"
 
 namespace enamel {
@@ -46,6 +47,9 @@ class Renderer {
 
   /// Return whether step() reads the joint-space inertia and TickFrame::rows. If so, each tick computes them.
   virtual bool needsInertia() const noexcept { return false; }
+
+  /// Return the delay of the motors, as far as the renderer knows it. Realtime: yes.
+  virtual Delay delay() const noexcept { return {}; }
 
   /// Deactivate: step() then returns `inactive` until the next activate(). Realtime: no.
   void deactivate() noexcept { active_ = false; }

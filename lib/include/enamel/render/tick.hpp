@@ -10,6 +10,7 @@
 #include "enamel/render/frame.hpp"
 #include "enamel/render/guard.hpp"
 #include "enamel/render/renderer.hpp"
+#include "enamel/render/tap_transient.hpp"
 #include "enamel/render/tick_scene.hpp"
 
 namespace enamel {
@@ -82,6 +83,7 @@ class HapticTick {
   const Guard& guard() const noexcept { return guard_; }
   const Renderer& renderer() const noexcept { return *renderer_; }
   const TickScene& scene() const noexcept { return scene_; }
+  const TapTransient& tap() const noexcept { return tap_; }
 
   /// Save and load all state needed to continue bit for bit: stateSize() bytes, aligned as doubles, the renderer's
   /// last. The guard's record of past ticks and the attached drill are not part of it. A saved state becomes invalid
@@ -93,6 +95,7 @@ class HapticTick {
  private:
   static constexpr double kNever = std::numeric_limits<double>::lowest();
 
+  bool needsInertia() const noexcept { return renderer_->needsInertia() || scene_.hasTaps(); }
   Measurement adjusted(const Measurement& measurement) const noexcept;
   Status tick(const Measurement& measurement) noexcept;
   Status sense(const Measurement& measurement) noexcept;
@@ -108,6 +111,7 @@ class HapticTick {
   Renderer* renderer_;
   Guard guard_;
   TickFrame frame_;
+  TapTransient tap_;
   Vec6 effect_ = Vec6::Zero();
   double gripper_ = 0.0;        // N
   double sampleTime_ = kNever;  // of the last sample, s

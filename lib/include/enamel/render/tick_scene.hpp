@@ -21,6 +21,8 @@ class TickScene {
   /// Return the scene with its obstacles where the last tick had them, and the tool. Realtime: yes.
   const Scene& scene() const noexcept { return motion_.scene(); }
   const Tool& tool() const noexcept { return tool_; }
+  /// Return whether a tap on the scene has a transient (Obstacle::tap). Realtime: yes.
+  bool hasTaps() const noexcept { return hasTaps_; }
   const SceneMotion& motion() const noexcept { return motion_; }
   SceneMotion& motion() noexcept { return motion_; }
   ComplianceMemory& compliance() noexcept { return compliance_; }
@@ -54,6 +56,7 @@ class TickScene {
   SceneMotion motion_;
   ComplianceMemory compliance_;
   ToolTrack track_;
+  bool hasTaps_;
 };
 
 }  // namespace enamel

@@ -79,6 +79,9 @@ class Session {
   /// Set the material of an obstacle. A solid has materials of its layers instead.
   void setMaterial(ObstacleId id, const Material& material);
 
+  /// Set the tap of an obstacle: how the handle vibrates after an impact. A solid has taps of its layers instead.
+  void setTap(ObstacleId id, const Tap& tap);
+
   /// Set the suspension of an obstacle; empty: contact forces do not move it. Its forces are those at the hand. A
   /// movable obstacle continues its motion. Throws Error as Scene::add().
   void setSuspension(ObstacleId id, const std::optional<Suspension>& suspension);

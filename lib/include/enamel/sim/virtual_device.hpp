@@ -13,14 +13,6 @@
 
 namespace enamel {
 
-/// Delay between a tick's torque and the motors, in ticks. The torque computed at tick j acts from tick j + d. If low <
-/// high, each tick draws its own d uniformly, and the motors receive the torque computed at tick j - d. Commands may
-/// then be repeated or skipped. Before the first command the motors balance gravity at the start pose.
-struct Delay {
-  int low = 0;
-  int high = 0;
-};
-
 /// Read "N" or "LOW..HIGH", whole ticks in decimal digits. Empty: the text has another form. Realtime: no.
 std::optional<Delay> readDelay(std::string_view text) noexcept;
 

@@ -26,6 +26,7 @@ struct WallTrialSetup {
   Delay delay;                 ///< ticks
   double period = 1e-3;        ///< s
   double noise = 0.5;          ///< standard deviation of the person's force, N
+  Tap tap = tapOf("enamel");   ///< of the material to which the taps are compared
   int runs = 20;               ///< runs differ in noise, forces and instants
   std::uint64_t seed = 1;
 };
@@ -56,6 +57,8 @@ std::vector<std::string> wallTrialNames();
 ///   before the touch. Also the extended rate-hardness: the largest rate of the motors' force until 30 ms after the
 ///   touch, over the speed before it, lowest run (Han and Choi, "Extended rate-hardness", 2010). For a spring it is its
 ///   stiffness.
+/// - tap plain: moved to the wall at 0.1 to 0.5 m/s until it touches, then held with 1 N. Figures: means of TapMetrics.
+/// - tap transient: the same at a wall that has the tap of the material.
 /// - release: 12 N change to a pull of 1 N at a random time within a tick. Figures: strongest pull of the wall; speed 1
 ///   mm outside, worst and mean. The speed is relative to a wall that releases t1 after a step at a sample.
 /// - slide: over walls tilted in ten directions, at 0.1 m/s under 10 N without friction. Figures: tangential over
