@@ -87,7 +87,7 @@ StudyPlan planOf(const Error& error, double cable, int runs) {
   if (error.inDevice) error.inDevice(device);
   StudyPlan plan;
   plan.scenarios = {1};
-  plan.grid = 3;
+  plan.grid = test::count(2, 3);
   plan.runs = runs;
   plan.insideTick = true;
   plan.setup.period = kPeriod;
@@ -184,7 +184,7 @@ TEST_CASE("position control learns the stiffness of cables that resonate below h
   constexpr double kCable = 1000.0;  // N m/rad: 430 Hz
   for (const int delay : {0, 2})
     for (const double factor : {0.7, 1.0, 1.3}) {
-      const StudyPlan whole = planOf({"", cablesTimes(factor), {}, {delay, delay}}, kCable, test::count(1, 10));
+      const StudyPlan whole = planOf({"", cablesTimes(factor), {}, {delay, delay}}, kCable, test::count(2, 10));
       std::vector<PositionControlState> learnt(whole.size());
       parallelFor(whole.size(), availableThreads(), [&](std::size_t i) {
         StudyPlan plan = whole;
