@@ -88,7 +88,7 @@ StudyPlan planOf(const Error& error, double cable, int runs) {
   if (error.inDevice) error.inDevice(device);
   StudyPlan plan;
   plan.scenarios = {1};
-  plan.grid = 3;
+  plan.grid = test::count(2, 3);
   plan.runs = runs;
   plan.insideTick = true;
   plan.setup.period = kPeriod;
@@ -200,7 +200,7 @@ TEST_CASE("position control holds behind soft cables, and with several errors at
                   {1000.0, {"masses and rotors of the file x 0.7", all(0.7)}},
                   {1000.0, {"masses and rotors of the file x 1.3", all(1.3)}}}) {
     INFO("cable " << row.cable << " N m/rad, " << row.error.name);
-    CHECK(resultOf(row.error, row.cable).lost <= test::count(1, 18));  // of 9 or 180
+    CHECK(resultOf(row.error, row.cable).lost <= test::count(1, 18));  // of 4 or 180
     row.error.isGuarded = false;
     CHECK(resultOf(row.error, row.cable).lost == 0);
   }
@@ -211,7 +211,7 @@ TEST_CASE("position control learns the stiffness of cables that resonate below h
   constexpr double kCable = 1000.0, kSoon = 0.1;  // N m/rad, 430 Hz; s
   for (const int delay : {0, 2})
     for (const double factor : {0.7, 1.0, 1.3}) {
-      const StudyPlan whole = planOf({"", cablesTimes(factor), {}, {delay, delay}}, kCable, test::count(1, 10));
+      const StudyPlan whole = planOf({"", cablesTimes(factor), {}, {delay, delay}}, kCable, test::count(2, 10));
       std::vector<PositionControlState> soon(whole.size()), learnt(whole.size());
       parallelFor(whole.size(), availableThreads(), [&](std::size_t i) {
         StudyPlan plan = whole;
