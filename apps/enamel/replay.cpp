@@ -33,7 +33,7 @@ std::string valueOf(const std::string& what, double value) {
   return fmt::format("{}", value);
 }
 
-std::string textOf(const ReplayDifference& d) {
+std::string differenceText(const ReplayDifference& d) {
   std::string text = fmt::format("tick {} ({} s): {}", d.tick, d.time, d.what);
   if (d.joint >= 0) text += fmt::format(" of joint {}", d.joint + 1);
   if (d.joint < 0 && std::isnan(d.recorded) && std::isnan(d.replayed)) return text;  // a state has no number
@@ -121,7 +121,7 @@ void run(const ReplayOptions& options) {
   if (result.damaged > 0) damage = options.file + ": damaged: only the ticks that could be read were compared";
   if (result.different > 0)
     fmt::print("{} ticks differ, first {}\nlargest difference by joint, N m or N: requested torque {}; command {}\n",
-               result.different, textOf(*result.first), numbersOf(result.requested), numbersOf(result.command));
+               result.different, differenceText(*result.first), numbersOf(result.requested), numbersOf(result.command));
   if (!damage.empty()) throw Error(damage);
   if (result.different > 0) throw Exit(1, "");
   fmt::print("equal, bit for bit\n");

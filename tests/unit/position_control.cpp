@@ -98,10 +98,11 @@ TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[
       CHECK(s.lost == 0);
       // The goal is 1 for 20 runs per point of a study; the mean of nine at the worst point varies by a few per cent.
       CHECK(s.stiffness > (error > 0.0 ? 0.85 : 0.95) * stiffness[delay]);
-      CHECK(s.chatter < 0.1);                   // the goal is 0.05; the largest of a few dozen runs varies
-      if (error > 0.0 && delay >= 2) continue;  // checked below
-      CHECK(s.bounce < kBounce);
-      CHECK(s.ramp < kRamp[delay]);
+      CHECK(s.chatter < 0.1);  // the goal is 0.05; the largest of a few dozen runs varies
+      // A press on a wrong model at a delay: a thousand runs reach 0.246 and 0.122 mm.
+      const bool isWrong = error > 0.0 && delay >= 2;
+      CHECK(s.bounce < (isWrong ? 1.25 : 1.0) * kBounce);
+      CHECK(s.ramp < (isWrong ? 1.05 : 1.0) * kRamp[delay]);
     }
 }
 
@@ -119,16 +120,6 @@ TEST_CASE("a random delay loses no run", "[position_control]") {
     CHECK(s.chatter < 0.08);
     CHECK(s.ramp < r.ramp);
     CHECK(s.deepest < r.deepest);
-  }
-}
-
-TEST_CASE("a press on a model that is wrong bounces by less than a quarter millimetre", "[position_control]") {
-  for (const int delay : {2, 3}) {
-    WallDesignSetup setup = setupFor(delay, delay);
-    setup.inertiaError = 0.3;
-    const WallScore s = evaluate(setup);
-    CHECK(s.bounce < 1.25 * kBounce);  // the goals are kBounce and kRamp; a thousand runs reach 0.246 and 0.122 mm
-    CHECK(s.ramp < 1.05 * kRamp[delay]);
   }
 }
 

@@ -7,13 +7,9 @@
 
 #include "compare/compare.hpp"
 #include "enamel/core/error.hpp"
+#include "study/numbers.hpp"
 
 namespace enamel::app {
-namespace {
-
-std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); }
-
-}  // namespace
 
 std::vector<std::string> wallTasksOf(const std::vector<std::string>& tasks) {
   const auto names = [](const std::string& task, const std::string& text) {
@@ -41,11 +37,12 @@ std::string comparisonTable(const std::vector<Condition>& conditions) {
     for (std::size_t i = 0; i < c.scores.size(); ++i) {
       const RendererScore& s = c.scores[i];
       const Spread k = spreadOf(s.stiffness), d = spreadOf(s.depth), deep = spreadOf(s.depthStiffness);
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", c.plant, c.delay,
-                          c.study.plan.columns[i].name, s.runs, s.lost, cell(k.mean), cell(k.deviation), k.count,
-                          cell(deep.mean), cell(deep.deviation), cell(d.mean), cell(d.deviation), cell(s.chatter),
-                          cell(s.figure("slide", "tangential force")), cell(s.figure("release", "pull")),
-                          cell(s.energy), cell(s.share), cell(s.rank));
+      text +=
+          fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", c.plant, c.delay,
+                      c.study.plan.columns[i].name, s.runs, s.lost, cellText(k.mean), cellText(k.deviation), k.count,
+                      cellText(deep.mean), cellText(deep.deviation), cellText(d.mean), cellText(d.deviation),
+                      cellText(s.chatter), cellText(s.figure("slide", "tangential force")),
+                      cellText(s.figure("release", "pull")), cellText(s.energy), cellText(s.share), cellText(s.rank));
     }
   return text;
 }
@@ -56,7 +53,7 @@ std::string tasksTable(const std::vector<Condition>& conditions) {
     for (std::size_t i = 0; i < c.scores.size(); ++i)
       for (const WallFigure& f : c.scores[i].trials)
         text += fmt::format("{},{},{},{},{},{},{},{}\n", c.plant, c.delay, c.study.plan.columns[i].name, f.trial,
-                            f.figure, f.unit, cell(f.value), f.lost);
+                            f.figure, f.unit, cellText(f.value), f.lost);
   return text;
 }
 

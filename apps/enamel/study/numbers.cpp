@@ -49,6 +49,8 @@ std::string numberText(double value, int digits) {
   return (mantissa == "1" ? "" : mantissa + " × ") + powerText(power);
 }
 
+std::string cellText(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
 std::string givenText(double value) { return fmt::format("{:.6g}", value); }
 
 double halfInterval(const Spread& spread) { return meanDifference(spread).half; }

@@ -16,6 +16,9 @@ std::string numberText(double value, int digits = 3);
 /// Format a given (not measured) number.
 std::string givenText(double value);
 
+/// Format all digits for a table of CSV; empty if not finite.
+std::string cellText(double value);
+
 /// Return half of the 95 % confidence interval of a mean (Student's t). NaN: fewer than two values.
 double halfInterval(const Spread& spread);
 

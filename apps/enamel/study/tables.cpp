@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "json_matrices.hpp"
+#include "study/numbers.hpp"
 #include "study/study.hpp"
 
 namespace enamel::app {
@@ -13,8 +14,6 @@ Json numberOrNull(double value) { return std::isfinite(value) ? Json(value) : Js
 
 // Return the label of a stiffness: the force divided by this depth, as "rms depth [N/m]".
 std::string perForce(const MetricMember& depth) { return fmt::format("{} [N/m]", allMetrics()[indexOf(depth)].symbol); }
-
-std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 const char* firstSymbol() { return allMetrics()[indexOf(&PushMetrics::firstStiffness)].symbol; }
 
@@ -35,12 +34,12 @@ std::string pointsTable(const Study& study, const std::vector<PointStatistics>& 
                         p.failed);
     for (const FirstImpactVerdict verdict : kWithoutFirst)
       text += fmt::format(",{}", p.verdicts[static_cast<std::size_t>(verdict)]);
-    for (const Spread& s : p.metrics) text += ',' + cell(s.mean) + ',' + cell(s.deviation);
+    for (const Spread& s : p.metrics) text += ',' + cellText(s.mean) + ',' + cellText(s.deviation);
     text += fmt::format(",{},{},{},{},{},{},{}\n", p.of(&PushMetrics::firstStiffness).count,
                         p.steadyStiffness ? fmt::format("{}", *p.steadyStiffness)
                         : any             ? "unresolved"
                                           : "",
-                        cell(p.forceOverRms.mean), cell(p.forceOver95.mean),
+                        cellText(p.forceOverRms.mean), cellText(p.forceOver95.mean),
                         any ? fmt::format("{}", p.largestDepth) : "", any ? fmt::format("{}", p.drift) : "", p.faults);
   }
   return text;
