@@ -164,6 +164,60 @@ TEST_CASE("behind soft cables position control is left alone, and a spring that 
   checkOnlySpringStops(*model, push);
 }
 
+namespace {
+
+// A spring that states a stiffness of the cables as if it had learnt it.
+class Stating final : public Renderer {
+ public:
+  explicit Stating(double cables) : cables_(cables) {}
+
+ private:
+  void prepare(double period) override { spring_.activate(period); }
+  Status render(const TickFrame& frame, TickOutput& output) noexcept override {
+    const Status status = spring_.step(frame, output);
+    output.cables = cables_;
+    return status;
+  }
+  void resetState() noexcept override { spring_.reset(); }
+  StateBlock stateBlock() noexcept override { return {nullptr, 0}; }
+
+  ImpedanceRenderer spring_{{3e3, 30.0}};
+  double cables_;
+};
+
+}  // namespace
+
+TEST_CASE("the guard counts with the stiffness of the cables that the renderer has learnt", "[hard]") {
+  const double factor = std::exp(0.3);  // three steps of its models
+  const DeviceParameters device = loadDevice(test::deviceFile("tau-detailed.toml"));
+  const PushSetup setup = hardPush(0, 3);
+  const auto energies = [&](double file, double stated) {
+    DeviceParameters model = device;
+    imperfectionsOf(model).cableStiffness *= file;
+    const std::shared_ptr<const Mechanism> mechanism = makeMechanism(model);
+    Stating renderer(stated);
+    std::vector<double> all;
+    const auto note = [&](const TickRecord&, const VirtualLoop& loop) { all.push_back(loop.guard().tick(0).energy); };
+    CHECK(runPush(std::make_unique<ImperfectPlant>(makeImperfectDevice(device, setup.seed, 3)), *mechanism, renderer,
+                  setup, note)
+              .status == Status::ok);
+    return all;
+  };
+  const std::vector<double> right = energies(1.0, 1.0), learnt = energies(factor, 0.99 / factor),
+                            wrong = energies(factor, 1.0), refused = energies(1.0, std::nan("")),
+                            limited = energies(1.0, 1e6), most = energies(1.0, std::exp(0.5));
+  REQUIRE(right.size() == learnt.size());
+  double error = 0.0, largest = 0.0;
+  for (std::size_t i = 0; i < right.size(); ++i) {
+    error = std::max(error, std::abs(learnt[i] - right[i]));
+    largest = std::max(largest, std::abs(wrong[i] - right[i]));
+  }
+  CHECK(error < 1e-9);
+  CHECK(largest > 1e-6);
+  CHECK(refused == right);
+  CHECK(limited == most);
+}
+
 TEST_CASE("where the device lacks the cables of its file, the guard counts as with a rigid transmission", "[hard]") {
   const DeviceParameters file = loadDevice(test::deviceFile("tau-detailed.toml"));
   const std::shared_ptr<const Mechanism> model = makeMechanism(file), rigid = makeMechanism(idealOf(file));

@@ -60,7 +60,7 @@ Guard::Guard(const Mechanism& device, const GuardOptions& options)
       damped_(!options.damping.isZero(0.0)),
       most_(device.limits().effort),
       ring_(kGuardTicks) {
-  if (options_.drive.stiffness > 0.0) describeModes(device);
+  if (options_.drive.stiffness > 0.0) describeCables(device);
   for (int i = 0; i < n_; ++i)
     if (isDriven(i)) weight_[i] = 1.0 / (most_[i] * most_[i]);
   for (GuardTick& tick : ring_) tick.q = tick.requested = tick.applied = JointVector::Zero(n_);
@@ -376,6 +376,7 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
     frame.reason = GuardReason::waiting;
     return;
   }
+  if (!modes_.empty()) learnCables(frame.output.cables);
   const double elapsed = m.time - s.time;
   const GuardReason read = measured(m, elapsed);
   const bool believed = read == GuardReason::none || read == GuardReason::clock || read == GuardReason::late;

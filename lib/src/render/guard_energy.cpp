@@ -18,27 +18,26 @@ constexpr double kTorqueError = 0.05;   // share of the largest torque of a moto
 constexpr double kPushChange = 0.001;   // the same of the change of the hand's push in a tick
 constexpr double kMisfitTime = 0.1;     // s, of the mean of the squared errors of prediction
 constexpr double kSure = 3.0;           // standard deviations by which this mean must exceed the model's value
-constexpr double kLever = 0.05;         // m, lever that converts a moment to a force
+// Models over the learnt stiffness of cables: even steps of its logarithm.
+constexpr int kOfFile = 5, kStiffnesses = 2 * kOfFile + 1;
+constexpr double kStiffnessStep = 0.1;
+constexpr double kLever = 0.05;  // m, lever that converts a moment to a force
 // Reported torque: filter time, s; least share of the commands' power; noise and maximum, of the motor's limit.
 constexpr double kReportTime = 0.01, kReportShare = 0.75, kReportNoise = 0.03, kLargestReport = 1.5;
 
 }  // namespace
 
 // Modes of the links, and the gains of their Kalman filters (lib/docs/guard.md). A filter starts with exact states.
-void Guard::describeModes(const Mechanism& device) {
+Guard::Modes Guard::modesOf(const Mechanism& device, const Drive& d) const {
   constexpr int kMostSteps = 20000;
-  const Drive& d = options_.drive;
+  Modes modes;
   JointMatrix links = device.home().inertia, axes;
   links.diagonal().array() -= d.rotorInertia;
   const JointVector inertia = eigenvaluesOf(links, axes);
   require(inertia.minCoeff() > 0.0, "guard: the inertia of the links without the rotors is not positive definite");
-  lag_ = lagOf(d);
-  // Variance of the mean: a change of normal errors, squared, has the variance 2 and a correlation of 1/4 with the
-  // next.
-  mostMisfit_ = 1.0 + kSure * std::sqrt(1.5 * options_.period / (kMisfitTime * n_));
   for (int k = 0; k < n_; ++k) {
     const ModeMotion<4> motion = modeMotion<4>(d, inertia[k], options_.period);
-    Mode& mode = modes_[k];
+    Mode& mode = modes[k];
     mode.inertia = inertia[k];
     double torque = 0.0, rounding = 0.0;  // variances
     for (int j = 0; j < n_; ++j) {
@@ -68,6 +67,26 @@ void Guard::describeModes(const Mechanism& device) {
     }
     for (int i = 0; i < kMotion; ++i) mode.gain[i] = gain[i];
   }
+  return modes;
+}
+
+void Guard::describeCables(const Mechanism& device) {
+  for (int i = 0; i < kStiffnesses; ++i) {
+    Drive drive = options_.drive;
+    drive.stiffness *= std::exp((i - kOfFile) * kStiffnessStep);
+    modes_.push_back(modesOf(device, drive));
+  }
+  lag_ = lagOf(options_.drive);
+  // Variance of the mean: a change of normal errors, squared, has the variance 2 and a correlation of 1/4 with the
+  // next.
+  mostMisfit_ = 1.0 + kSure * std::sqrt(1.5 * options_.period / (kMisfitTime * n_));
+}
+
+void Guard::learnCables(double cables) noexcept {
+  const double step =
+      std::log(cables) / kStiffnessStep;  // less than one may be noise; NaN and infinite: as in the file
+  stiffness_ = static_cast<std::size_t>(
+      kOfFile + std::clamp(static_cast<int>(std::isfinite(step) ? std::trunc(step) : 0.0), -kOfFile, kOfFile));
 }
 
 // Returns the first joint with an implausible report, or -1.
@@ -125,7 +144,7 @@ double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Ac
                rotor = perTime * options_.drive.rotorInertia;
   double work = 0.0, misfit = 0.0;
   for (int k = 0; k < n_; ++k) {
-    const Mode& mode = modes_[k];
+    const Mode& mode = modes_[stiffness_][k];
     double command = 0.0, reading = 0.0;
     for (int j = 0; j < n_; ++j) {
       command += mode.axis[j] * torque[j];

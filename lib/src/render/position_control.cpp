@@ -490,6 +490,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   if (kin.q.size() != n || frame.rows.count != frame.contacts.count) return Status::outOfRange;
   const double elapsed = frame.time - m.lastTime;
   output.saturated = false;
+  if constexpr (kMech == 4) output.cables = std::exp(m.observer.cable);
   if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {
     repeat(kin, output);
     return Status::ok;

@@ -165,6 +165,7 @@ class Guard {
     std::array<Motion, kMotion> kept{};    // effect of each state on the states a period later
     Motion command{}, gain{};              // effect of the command; of a reading minus its prediction (Kalman filter)
   };
+  using Modes = std::array<Mode, kMaxJoints>;
   static constexpr int kReportLags = kMostGuardDelay + 1;
   // Energy given to the tool, computed from one estimate of the acting torque.
   struct Account {
@@ -217,7 +218,9 @@ class Guard {
   GuardReason judged(const Measurement& m, Status status, bool known, double elapsed, const TickFrame& frame) noexcept;
   void remember(const Measurement& m) noexcept;
   GuardReason moved(const Measurement& m, const Kinematics& k) noexcept;
-  void describeModes(const Mechanism& device);
+  Modes modesOf(const Mechanism& device, const Drive& drive) const;
+  void describeCables(const Mechanism& device);
+  void learnCables(double cables) noexcept;
   double workOnLinks(const Row& torque, const Row& step, double elapsed, Account& account) const noexcept;
   int read() const noexcept { return options_.drive.encoderOnLink ? kLink : kRotor; }  // the state that encoders read
   int unlikelyJoint(const JointVector& applied) const noexcept;
@@ -237,7 +240,8 @@ class Guard {
   GuardOptions options_;
   int n_;
   bool damped_;
-  std::array<Mode, kMaxJoints> modes_;   // of devices with cables
+  std::vector<Modes> modes_;             // of devices with cables: for several stiffnesses
+  std::size_t stiffness_ = 0;            // the one that the renderer has learnt
   double lag_ = 0.0, mostMisfit_ = 0.0;  // of the motors behind cables, 1/s; of a model that the readings do not refute
   JointVector most_;                     // the motors' own limits, N m or N
   Row weight_{};                         // weight of a joint in a comparison of torques: 1 / most_^2
