@@ -103,7 +103,7 @@ TEST_CASE("taps with transients allocate nothing", "[tick]") {
   Scene scene;
   scene.add(enamel);
   ImpedanceRenderer spring({6000.0, 0.0});
-  PositionControlRenderer servo = test::positionControl(device, 0, 1);
+  PositionControlRenderer servo = test::positionControl(device, 0, 0);
   for (Renderer* renderer : {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring)}) {
     HapticTick tick(device, scene, Tool(), *renderer, 1e-3);
     std::vector<double> state(tick.stateSize() / sizeof(double) + 1);

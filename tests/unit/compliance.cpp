@@ -129,6 +129,7 @@ TEST_CASE("compliance: a material in series with a spring carries the same force
     const double x = compressionInSeries(m, depth, soft, before, kTick), force = forceOf(m, x, before, kTick).force;
     CHECK(x >= 0.0);
     CHECK(x < m.thickness);
+    CHECK(compressionInSeries(m, depth, 0.0, before, kTick) == std::min(depth, m.thickness));
     // The search ends at 1e-13 of x; the slope amplifies it, relative to the force, by exponent and bottoming.
     const double spread = 1e-12 * (depth + x * soft * forceOf(m, x, before, kTick).slope);
     CHECK(std::abs(x + soft * force - depth) <= spread);

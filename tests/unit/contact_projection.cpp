@@ -30,30 +30,22 @@ double violation(const Square& G, const double* h, int n, const double* l) {
 
 }  // namespace
 
-TEST_CASE("the projection is optimal, from any start", "[contact_projection]") {
+TEST_CASE("the projection is optimal", "[contact_projection]") {
   test::Random random(test::seed() + 4);
   for (int round = 0; round < test::count(3000, 300000); ++round) {
     const int n = 1 + round % 10, rank = 1 + round % 7;
     Eigen::MatrixXd g(n, rank);
     for (Eigen::Index i = 0; i < g.size(); ++i) g.data()[i] = random.uniform(-1.0, 1.0);
     Eigen::MatrixXd product = g * g.transpose();
-    const double compliance = round % 3 == 0 ? 1e-3 : 0.3;  // without it the solution is not unique
-    product.diagonal().array() += compliance;
+    product.diagonal().array() += round % 3 == 0 ? 1e-3 : 0.3;  // of materials
     Square G;
-    double h[kMaxWalls], changed[kMaxWalls], l[kMaxWalls], again[kMaxWalls], arbitrary[kMaxWalls];
+    double h[kMaxWalls], l[kMaxWalls];
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j < n; ++j) G[i][j] = product(i, j);
       h[i] = random.uniform(-1.0, 2.0);
-      changed[i] = h[i] + random.uniform(-0.1, 0.1);
-      arbitrary[i] = random.uniform(-1.0, 1.0);
     }
     REQUIRE(solveNonNegative(G, h, n, l));
     CHECK(violation(G, h, n, l) < 1e-9);
-    std::copy_n(l, n, again);
-    REQUIRE(solveNonNegative(G, changed, n, again, true));
-    CHECK(violation(G, changed, n, again) < 1e-9);
-    REQUIRE(solveNonNegative(G, h, n, arbitrary, true));
-    for (int i = 0; i < n; ++i) CHECK(arbitrary[i] == Approx(l[i]).margin(1e-9));
   }
 }
 

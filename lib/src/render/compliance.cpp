@@ -54,6 +54,7 @@ MaterialForce forceOf(const Material& m, double x, double before, double period)
 
 double compressionInSeries(const Material& m, double depth, double soft, double before, double period) noexcept {
   if (!(depth > 0.0) || std::isinf(soft)) return 0.0;
+  if (soft == 0.0) return std::min(depth, m.thickness);
   // The search of the root of a convex, rising function. Without thickness the compression would be `open`.
   const double open = kUnit * std::pow(depth / soft / (m.stiffness * kUnit), 1.0 / m.exponent);
   double low = 0.0, high = std::min({depth, m.thickness, std::max(before, open)});

@@ -44,20 +44,10 @@ struct Passive {
 
 }  // namespace
 
-bool solveNonNegative(const double (&G)[kMaxWalls][kMaxWalls], const double* h, int n, double* l,
-                      bool continues) noexcept {
+bool solveNonNegative(const double (&G)[kMaxWalls][kMaxWalls], const double* h, int n, double* l) noexcept {
+  std::fill_n(l, n, 0.0);
   bool isPassive[kMaxWalls] = {}, barred[kMaxWalls] = {};
   Passive passive;
-  double first[kMostRows];
-  for (int k = 0; k < n && continues; ++k) continues = !(l[k] > 0.0) || passive.add(G, k);
-  if (continues) passive.solve(h, first);
-  for (int i = 0; i < passive.count && continues; ++i) continues = first[i] > 0.0;
-  std::fill_n(l, n, 0.0);
-  if (!continues) passive.count = 0;
-  for (int i = 0; i < passive.count; ++i) {
-    isPassive[passive.row[i]] = true;
-    l[passive.row[i]] = first[i];
-  }
   for (int step = 0; step < 3 * kMaxWalls; ++step) {
     int best = -1;
     double steepest = 0.0;

@@ -6,10 +6,8 @@ namespace enamel {
 inline constexpr int kMaxWalls = 24;  ///< most walls in a problem
 
 /// Minimise 1/2 l^T G l - h^T l over l >= 0 with the active-set method of Lawson and Hanson. G = g g^T is positive
-/// semidefinite and n <= kMaxWalls. The solution uses independent rows only. With `continues` the search begins with the
-/// rows for which l > 0, as in the solution of a similar problem. Returns false if the iteration limit is reached.
-/// Realtime: yes.
-bool solveNonNegative(const double (&G)[kMaxWalls][kMaxWalls], const double* h, int n, double* l,
-                      bool continues = false) noexcept;
+/// semidefinite and n <= kMaxWalls. The solution uses independent rows only. Returns false if the iteration limit is
+/// reached. Realtime: yes.
+bool solveNonNegative(const double (&G)[kMaxWalls][kMaxWalls], const double* h, int n, double* l) noexcept;
 
 }  // namespace enamel

@@ -21,37 +21,26 @@ double complianceOf(const PredictedModes& modes, const Lane& row) noexcept {
   return sum;
 }
 
-constexpr double kGive = 1.0 / (kRetreat * kRetreat);
-
-using Square = double[kMaxWalls][kMaxWalls];
-
-// The compliance of controller and movable obstacles, relative to the sizes of the targets. The walls share kGive.
-void compliancesOf(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, const Target* targets,
-                   int count, Square& G) noexcept {
-  for (int i = 0; i < count; ++i)
+// Solve the contact equation with the compliances of the targets.
+void solveWalls(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, const Target* targets,
+                int count, double* force) noexcept {
+  double G[kMaxWalls][kMaxWalls], h[kMaxWalls] = {};
+  const double give = 1.0 / (kRetreat * kRetreat);
+  for (int i = 0; i < count; ++i) {
     for (int j = 0; j <= i; ++j) {
       double v = 0.0;
       for (int k = 0; k < modes.count; ++k) v += targets[i].row[k] * targets[j].row[k] / modes.law.stiffness[k];
-      v = v / (targets[i].size * targets[j].size) + kGive;
+      v = v / (targets[i].size * targets[j].size) + give;
       const double reach = targets[i].reach * targets[j].reach;
       if (i != j && reach > 0.0)
         v += reach * frame.yield.inverse[static_cast<int>(walls[targets[i].wall].contact)]
                                         [static_cast<int>(walls[targets[j].wall].contact)];
       G[i][j] = G[j][i] = v;
     }
-}
-
-// Solve the contact equation with the compliances of the targets. `last`: a solution of a similar problem, in `force`.
-void solveWalls(const Square& rigid, const Target* targets, int count, bool hasLayers, bool last,
-                double* force) noexcept {
-  Square G;
-  double h[kMaxWalls] = {};
-  for (int i = 0; i < count; ++i) {
-    std::copy_n(rigid[i], count, G[i]);
     G[i][i] += targets[i].compliance;
-    h[i] = -(targets[i].gap + targets[i].offset) / targets[i].size * (1.0 + kGive) / (1.0 - kGive);
+    h[i] = -(targets[i].gap + targets[i].offset) / targets[i].size * (1.0 + give) / (1.0 - give);
   }
-  solveNonNegative(G, h, count, force, last);
+  solveNonNegative(G, h, count, force);
   // sum / deepest is 1 for a single wall, and 1 / s^2 for two that face each other but lean by s towards a way out.
   double sum = 0.0, deepest = 0.0, doubt = 0.0;
   for (int i = 0; i < count; ++i) {
@@ -60,12 +49,12 @@ void solveWalls(const Square& rigid, const Target* targets, int count, bool hasL
     deepest = std::max(deepest, h[i]);
   }
   if (!(sum > 0.0)) return;
-  const double retreat = std::max(2.0 * kGive * sum, doubt / sum * std::max(0.0, 1.0 - deepest / sum));
+  const double retreat = std::max(2.0 * give * sum, doubt / sum * std::max(0.0, 1.0 - deepest / sum));
   for (int i = 0; i < count; ++i) {
-    for (int j = 0; j < count; ++j) G[i][j] -= kGive;
+    for (int j = 0; j < count; ++j) G[i][j] -= give;
     h[i] -= retreat;
   }
-  solveNonNegative(G, h, count, force, hasLayers);
+  solveNonNegative(G, h, count, force);
   for (int i = 0; i < count; ++i) force[i] /= targets[i].size;
 }
 
@@ -196,9 +185,6 @@ void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wa
     force[0] = std::max(0.0, -targets[0].gap) / (targets[0].size * targets[0].size * (1.0 + targets[0].compliance));
     return;
   }
-  Square rigid;
-  compliancesOf(frame, modes, walls, targets, count, rigid);
-  const bool hasLayers = std::any_of(targets, targets + count, [](const Target& t) { return t.isLayer; });
   // Newton's method for compliant layers, from their compressions at the last tick.
   for (int step = 0; step < kMostTangents; ++step) {
     double error = 0.0;
@@ -222,7 +208,7 @@ void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wa
       t.offset = x - now * soft;
     }
     if (step > 0 && !(error > 0.0)) return;
-    solveWalls(rigid, targets, count, hasLayers, step > 0, force);
+    solveWalls(frame, modes, walls, targets, count, force);
     if (!(error > 0.0)) return;
   }
 }

@@ -10,12 +10,12 @@
 namespace enamel {
 namespace {
 
-constexpr double kTapSpeed = 0.02;  // m/s: slower touches are presses
-constexpr double kTapNear = 2e-5;   // m: position control pushes from here on
-constexpr double kTapFollow = 0.5;  // filter gain per sample for the twist
-constexpr double kNextTap = 2.0;    // a faster touch than this multiple of the vibration is another impact
-constexpr double kMostPhase = 0.5;  // periods by which a force may come late at random
-constexpr double kTapGain = 0.5;    // of the cables: below it, an error of the resonance counts more than twice
+constexpr double kTapSpeed = 0.02;   // m/s: slower touches are presses
+constexpr double kTapNear = 2e-5;    // m: position control pushes from here on
+constexpr double kTapFollow = 0.5;   // filter gain per sample for the twist
+constexpr double kNextTap = 2.0;     // a faster touch than this multiple of the vibration is another impact
+constexpr double kMostPhase = 0.25;  // periods by which a force may come late at random: later it gives energy
+constexpr double kTapGain = 0.5;     // of the cables: below it, an error of the resonance counts more than twice
 constexpr double kTapMissed = 1e3, kTapObstacles = 1e6;  // of a saved state
 constexpr double kTapDecays = 6.0;                       // times 1 / B: the end of a transient
 

@@ -30,8 +30,8 @@ class TapTransient {
   void reset() noexcept { state_ = State{}; }
 
   /// Detect an impact, and move the surfaces in the frame as the renderer shall see them. `period`: s. The frame must
-  /// have its contact rows. A delay that varies by half a period of the vibration or more starts no transient: a force
-  /// might act with the opposite phase. Realtime: yes.
+  /// have its contact rows. A delay that varies by a quarter of a period of the vibration or more starts no transient:
+  /// a force that late gives the energy that it should take. Realtime: yes.
   void move(TickFrame& frame, const Scene& scene, const Delay& delay, double period,
             const JointLimits& limits) noexcept;
 
