@@ -97,8 +97,8 @@ void ComplianceMemory::enter(const Scene& scene, const Tool& tool, ContactSnapsh
   std::array<double, kMaxContacts> sharing;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
     const Contact& c = contacts.contacts[i];
-    constexpr double kRounding = 1e-9;  // m
-    sharing[i] = contactsAt(c, 2.0 * tool.parts[static_cast<std::size_t>(c.part)].radius + kRounding, contacts);
+    constexpr double kSlack = 1e-9;  // m, of rounding
+    sharing[i] = contactsAt(c, 2.0 * tool.parts[static_cast<std::size_t>(c.part)].radius + kSlack, contacts);
   }
   bool isMoved = false;
   for (int i = 0; i < contacts.count; ++i) {
