@@ -111,7 +111,7 @@ TEST_CASE("pressed wall: without a fault the tool rests on the wall", "[cases]")
     }
 }
 
-TEST_CASE("pressed wall: a TAU at rest is given little energy (expected failure: 1.1 mJ instead of 1)",
+TEST_CASE("pressed wall: a TAU at rest is given little energy (expected failure, 1.1 mJ instead of 1)",
           "[!shouldfail][cases]") {
   for (const double force : {4.0, 8.0}) {
     PressedWall press;

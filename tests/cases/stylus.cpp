@@ -171,7 +171,7 @@ TEST_CASE("case 21: a device file describes six sensed and three driven axes; th
 
 TEST_CASE(
     "case 21: a stylus that is almost without moments still holds a wall beside its tip "
-    "(expected failure: it leaves its workspace)",
+    "(expected failure, it leaves its workspace)",
     "[!shouldfail][cases]") {
   const Press result = press(withMomentsUpTo(1e-3), 0.01);
   CAPTURE(result.depth, result.force);

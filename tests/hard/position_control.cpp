@@ -262,8 +262,8 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
 }
 
 TEST_CASE(
-    "an overload and a slide with too light a model are answered (expected failure at 2 and 3 ticks: "
-    "lib/docs/limits.md)",
+    "an overload and a slide with too light a model are answered "
+    "(expected failure at 2 and 3 ticks, lib/docs/limits.md)",
     "[!shouldfail][hard]") {
   WallTrialSetup setup;
   setup.plant = std::make_shared<TauMechanism>(test::nominal());

@@ -385,6 +385,24 @@ TEST_CASE("an identification has the same bits with any number of threads", "[id
   CHECK_THROWS_WITH(identifyDevice(brief, device.file), Catch::Contains("record longer"));  // no data for the test
 }
 
+TEST_CASE("every estimated number has a place in the device file, or is a comment", "[identify]") {
+  for (const char* name : {"tau-nominal.toml", "tau-detailed.toml", "delta.toml", "cartesian-3.toml",
+                           "cartesian-6.toml", "omega-6.toml", "stylus.toml"}) {
+    const std::string file = readFile(test::deviceFile(name));
+    Identification result;
+    result.device = parseDevice(file, name);
+    identify::DeviceModel model = identify::modelOf(result.device);
+    for (const identify::Unknown& unknown : identify::unknownsOf(model)) {
+      const double value = unknown.value(model);
+      result.estimates.push_back({unknown.key, unknown.unit, value, value, value, value, unknown.isInFile});
+    }
+    INFO(name);
+    std::string text;
+    REQUIRE_NOTHROW(text = identifiedText(file, result));
+    for (const Estimate& e : result.estimates) CHECK(text.find("#   " + e.key) != std::string::npos);
+  }
+}
+
 TEST_CASE("a Cartesian device with motors of rotation gets no friction in newtons", "[identify]") {
   const std::string file = readFile(test::deviceFile("cartesian-6.toml"));
   Identification result;

@@ -124,9 +124,8 @@ TEST_CASE("a random delay loses no run", "[position_control]") {
 }
 
 TEST_CASE(
-    "a press on a model that is wrong is quiet with 2 and 3 ticks, and random delays keep their depth (expected "
-    "failure: "
-    "210 um instead of 200, and 1.6 mm instead of 0.85)",
+    "a press on a model that is wrong is quiet with 2 and 3 ticks, and random delays keep their depth "
+    "(expected failure, 210 um instead of 200, and 1.6 mm instead of 0.85)",
     "[!shouldfail][position_control]") {
   constexpr int kRuns = 30;  // fewer do not reach the limits
   for (const int delay : {2, 3}) {
@@ -221,7 +220,7 @@ TEST_CASE("the servo learns how heavy the device is", "[position_control]") {
   CHECK(within >= 0.9 * runs);
 }
 
-TEST_CASE("the servo learns a heavier device (expected failure: half of the error)",
+TEST_CASE("the servo learns a heavier device (expected failure, half of the error)",
           "[!shouldfail][position_control]") {
   for (const int late : {0, 3}) {
     const Learnt l = learn(1.3, late);

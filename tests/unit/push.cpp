@@ -448,7 +448,7 @@ TEST_CASE("a tool that is held and touches 60 mm from the TCP", "[push]") {
   }
 }
 
-TEST_CASE("a push 60 mm from the TCP goes 0.2 mm deep (expected failure: 0.22 mm)", "[!shouldfail][push]") {
+TEST_CASE("a push 60 mm from the TCP goes 0.2 mm deep (expected failure, 0.22 mm)", "[!shouldfail][push]") {
   const TauMechanism device(test::nominal());
   PushSetup setup;
   setToolTip(Vec3(0.06, 0.0, 0.0), setup);

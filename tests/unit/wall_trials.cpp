@@ -133,7 +133,7 @@ TEST_CASE("no impact is thrown back", "[wall_trials]") {
     }
 }
 
-TEST_CASE("no slow impact is thrown back with 3 ticks of delay (expected failure: 240 um instead of 200)",
+TEST_CASE("no slow impact is thrown back with 3 ticks of delay (expected failure, 240 um instead of 200)",
           "[!shouldfail][wall_trials]") {
   CHECK(figure(impacts(3), "impact 0.05 m/s", "bounce") < kMostBounce);
 }

@@ -25,7 +25,7 @@ class List {
  public:
   explicit List(const DeviceModel& model) : model_(model) {}
 
-  bool isOfDrives = false;  // of the next unknowns
+  bool isOfDrives = false, isInFile = true;  // of the next unknowns
 
   // A positive number that may be wrong by a factor.
   void factor(const std::string& key, const std::string& unit, Value value, double spread = kMassSpread) {
@@ -43,6 +43,7 @@ class List {
   Unknown& add(Unknown unknown) {
     unknowns_.push_back(std::move(unknown));
     unknowns_.back().isOfDrives = isOfDrives;
+    unknowns_.back().isInFile = isInFile;
     return unknowns_.back();
   }
 
@@ -84,9 +85,11 @@ void addMechanism(List& list, const TauParameters&) {
     list.factor("platform.inertia" + index, "kg m^2",
                 [i](DeviceModel& m) -> double& { return tau(m).platform.inertia(i, i); });
   }
+  list.isInFile = false;
   for (std::size_t i = 0; i < 6; ++i)
     list.factor("mass factor of link " + std::to_string(i % 2 + 1) + " of chain " + std::to_string(i / 2 + 1), "",
                 [i](DeviceModel& m) -> double& { return m.links[i]; });
+  list.isInFile = true;
 }
 
 void addMechanism(List& list, const CartesianParameters& p) {
