@@ -203,9 +203,9 @@ TEST_CASE("the guard counts with the stiffness of the cables that the renderer h
               .status == Status::ok);
     return all;
   };
-  const std::vector<double> right = energies(1.0, 1.0), learnt = energies(factor, 0.99 / factor),
-                            wrong = energies(factor, 1.0), refused = energies(1.0, std::nan("")),
-                            limited = energies(1.0, 1e6), most = energies(1.0, std::exp(0.5));
+  const std::vector<double> right = energies(1.0, 0.0), learnt = energies(factor, -0.301),
+                            wrong = energies(factor, 0.0), refused = energies(1.0, std::nan("")),
+                            limited = energies(1.0, 100.0), most = energies(1.0, 0.501);
   REQUIRE(right.size() == learnt.size());
   double error = 0.0, largest = 0.0;
   for (std::size_t i = 0; i < right.size(); ++i) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <functional>
 #include <memory>
 
@@ -11,6 +12,7 @@
 #include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/plant_maker.hpp"
+#include "support/catch.hpp"
 #include "support/devices.hpp"
 
 namespace enamel::test {
@@ -82,5 +84,32 @@ struct Bench {
   std::unique_ptr<HapticTick> haptics;
   std::unique_ptr<LoopBody> loop;
 };
+
+// Two devices with imperfections, and a light one. `force`: of a hand, N.
+struct BenchDevice {
+  const char *file, *plant;
+  double force;
+};
+inline constexpr BenchDevice kBenchDevices[] = {
+    {"tau-detailed.toml", kImperfect, 5.0}, {"delta.toml", kImperfect, 5.0}, {"cartesian-3.toml", kClosedForm, 1.5}};
+
+// Press with the force of a device, and with half of it from tick 300 on. Returns means over the last 200 ticks.
+struct HeldForce {
+  double change = 0.0, force = 0.0;  // of the renderer in a tick, and its force, N
+};
+inline HeldForce holdAfterPress(const BenchDevice& device, const Obstacle& obstacle, int delay, int ticks) {
+  Bench bench({device.file, device.plant, obstacle, delay, false, true});
+  double before = 0.0;
+  HeldForce result;
+  for (int i = 0; i < ticks; ++i) {
+    REQUIRE(bench.press(i < 300 ? device.force : 0.5 * device.force));
+    REQUIRE(bench.haptics->guard().fault() == GuardReason::none);
+    const double force = bench.force();
+    if (i >= ticks - 200) result.change += std::abs(force - before) / 200.0;
+    if (i >= ticks - 200) result.force += force / 200.0;
+    before = force;
+  }
+  return result;
+}
 
 }  // namespace enamel::test

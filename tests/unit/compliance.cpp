@@ -431,35 +431,16 @@ TEST_CASE("compliance: a saved state continues bit for bit, also in a broken lay
 }
 
 TEST_CASE("compliance: stable on imperfect devices at every delay", "[compliance]") {
-  struct Device {
-    const char *file, *plant;
-    double force;  // of the hand, N
-  };
   const bool isLong = test::longRun();
   int runs = 0;
-  for (const Device& device : {Device{"tau-detailed.toml", kImperfect, 5.0}, Device{"delta.toml", kImperfect, 5.0},
-                               Device{"cartesian-3.toml", kClosedForm, 1.5}})
+  for (const test::BenchDevice& device : test::kBenchDevices)
     for (const int delay : {0, 1, 2}) {
-      struct Result {
-        double change = 0.0, force = 0.0;  // mean change in a tick, and mean, N
-      };
       const auto run = [&](const Material& material) {
-        Bench bench({device.file, device.plant, block(material), delay, false, true});
-        double before = 0.0;
-        Result result;
-        for (int i = 0; i < 800; ++i) {
-          REQUIRE(bench.press(i < 300 ? device.force : 0.5 * device.force));
-          REQUIRE(bench.haptics->guard().fault() == GuardReason::none);
-          const double force = bench.force();
-          if (i >= 600) result.change += std::abs(force - before) / 200.0;
-          if (i >= 600) result.force += force / 200.0;
-          before = force;
-        }
-        return result;
+        return test::holdAfterPress(device, block(material), delay, 800);
       };
       Material rigid;
       rigid.friction = rigid.slidingFriction = 0.2;
-      const Result reference = run(rigid);
+      const test::HeldForce reference = run(rigid);
       for (const double stiffness : {500.0, 2e3, 1e4, 1e5})
         for (const double exponent : {1.0, 1.5, 3.0})
           for (const double puncture : {kInfinity, 0.7 * device.force})

@@ -304,10 +304,6 @@ TEST_CASE("suspended: a saved motion continues bit for bit", "[suspended]") {
 }
 
 TEST_CASE("suspended: stable on imperfect devices at every delay", "[suspended]") {
-  struct Device {
-    const char *file, *plant;
-    double force;  // of the hand, N
-  };
   struct Case {
     const char* name;
     Suspension suspension;
@@ -315,27 +311,12 @@ TEST_CASE("suspended: stable on imperfect devices at every delay", "[suspended]"
   const Case cases[] = {{"tooth", sprung(2e-3, 5e4, 0.3)},       {"tooth without damping", sprung(2e-3, 5e4, 0.0)},
                         {"loose tooth", sprung(2e-3, 5e3, 0.2)}, {"jaw", sprung(0.3, 5e3, 0.3)},
                         {"soft", sprung(0.01, 500.0, 0.1)},      {"fragment", loose(0.02, 300.0)}};
-  for (const Device& device : {Device{"tau-detailed.toml", kImperfect, 5.0}, Device{"delta.toml", kImperfect, 5.0},
-                               Device{"cartesian-3.toml", kClosedForm, 1.5}})
+  for (const test::BenchDevice& device : test::kBenchDevices)
     for (const int delay : {0, 1, 2}) {
-      struct Result {
-        double change = 0.0, force = 0.0;  // mean change in a tick, and mean, N
-      };
       const auto run = [&](const std::optional<Suspension>& suspension) {
-        Bench bench({device.file, device.plant, block(suspension, 0.2), delay, false, true});
-        double before = 0.0;
-        Result result;
-        for (int i = 0; i < 600; ++i) {
-          REQUIRE(bench.press(i < 300 ? device.force : 0.5 * device.force));
-          REQUIRE(bench.haptics->guard().fault() == GuardReason::none);
-          const double force = bench.force();
-          if (i >= 400) result.change += std::abs(force - before) / 200.0;
-          if (i >= 400) result.force += force / 200.0;
-          before = force;
-        }
-        return result;
+        return test::holdAfterPress(device, block(suspension, 0.2), delay, 600);
       };
-      const Result rigid = run(std::nullopt);
+      const test::HeldForce rigid = run(std::nullopt);
       for (const Case& c : cases) {
         INFO(device.file << ", delay " << delay << ", " << c.name);
         const auto [change, force] = run(c.suspension);

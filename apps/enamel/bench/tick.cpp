@@ -175,6 +175,21 @@ void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOpti
   }
 }
 
+// Compare each renderer at scenes with one contact. The first scene is the reference.
+void compareScenes(const Mechanism& mechanism, const Path& path, const GuardOptions& guarded,
+                   const std::vector<std::pair<const char*, Renderer*>>& renderers,
+                   const std::vector<std::pair<const char*, const Scene*>>& scenes, std::vector<Measurement>& rows) {
+  for (const auto& [name, renderer] : renderers) {
+    const std::size_t reference = rows.size();
+    for (const auto& [where, scene] : scenes) {
+      HapticTick tick(mechanism, *scene, Tool{}, *renderer, guarded);
+      rows.push_back(timeTicks(std::string("whole tick, ") + where + ", " + name, path, 1, tick));
+      if (rows.size() > reference + 1) rows.back().reference_us = rows[reference].median_us;
+    }
+    renderer->reset();
+  }
+}
+
 // Compare a tick at a rigid, fixed block with one at the same block on springs, as stiff as a tooth on its ligament.
 // Then compare it with one at a compliant layer.
 void addBlocks(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
@@ -191,19 +206,8 @@ void addBlocks(const Mechanism& mechanism, int ticks, const GuardOptions& guarde
   block.suspension = nullptr;
   block.material = gum();
   compliant.add(block);
-  const Path path = pathThroughTheWall(mechanism, ticks, 5e-5, -1e-4);
-  for (const auto& [name, renderer] : renderers) {
-    HapticTick atFixed(mechanism, fixed, Tool{}, *renderer, guarded);
-    rows.push_back(timeTicks(std::string("whole tick, fixed block, ") + name, path, 1, atFixed));
-    const double reference_us = rows.back().median_us;
-    HapticTick atMovable(mechanism, movable, Tool{}, *renderer, guarded);
-    rows.push_back(timeTicks(std::string("whole tick, movable block, ") + name, path, 1, atMovable));
-    rows.back().reference_us = reference_us;
-    HapticTick atCompliant(mechanism, compliant, Tool{}, *renderer, guarded);
-    rows.push_back(timeTicks(std::string("whole tick, compliant block, ") + name, path, 1, atCompliant));
-    rows.back().reference_us = reference_us;
-    renderer->reset();
-  }
+  compareScenes(mechanism, pathThroughTheWall(mechanism, ticks, 5e-5, -1e-4), guarded, renderers,
+                {{"fixed block", &fixed}, {"movable block", &movable}, {"compliant block", &compliant}}, rows);
 }
 
 // Compare a tick at a wall with one at the same wall of enamel: 40 taps at 0.1 m/s a second, each with its transient.
@@ -214,16 +218,8 @@ void addTaps(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
   plain.add(wall);
   wall.tap = tapOf("enamel");
   enamel.add(wall);
-  const Path path = pathThroughTheWall(mechanism, ticks, 5e-5, 2e-4, 4e-4, 250.0);
-  for (const auto& [name, renderer] : renderers) {
-    HapticTick atPlain(mechanism, plain, Tool{}, *renderer, guarded);
-    rows.push_back(timeTicks(std::string("whole tick, taps, ") + name, path, 1, atPlain));
-    const double reference_us = rows.back().median_us;
-    HapticTick atEnamel(mechanism, enamel, Tool{}, *renderer, guarded);
-    rows.push_back(timeTicks(std::string("whole tick, taps with transients, ") + name, path, 1, atEnamel));
-    rows.back().reference_us = reference_us;
-    renderer->reset();
-  }
+  compareScenes(mechanism, pathThroughTheWall(mechanism, ticks, 5e-5, 2e-4, 4e-4, 250.0), guarded, renderers,
+                {{"taps", &plain}, {"taps with transients", &enamel}}, rows);
 }
 
 // The measurements and their common inputs.

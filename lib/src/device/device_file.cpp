@@ -36,7 +36,10 @@ struct AddMass {
   double mass;
   void operator()(TauParameters& p) const { p.platform.mass += mass; }
   void operator()(DeltaParameters& p) const { p.platform.mass += mass; }
-  void operator()(CartesianParameters& p) const { p.mass += mass; }
+  void operator()(CartesianParameters& p) const {
+    p.mass += mass;
+    for (double& each : p.massTable.mass) each += mass;
+  }
 };
 
 struct ScaleMasses {

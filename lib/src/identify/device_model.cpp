@@ -187,23 +187,6 @@ struct TakeImperfections {
   }
 };
 
-// A point mass at the TCP.
-struct Attach {
-  double mass;
-  void operator()(TauParameters& p) const {
-    const double whole = p.platform.mass + mass, reduced = p.platform.mass * mass / whole;
-    const Vec3 c = p.platform.com;
-    p.platform.inertia += reduced * (c.squaredNorm() * Mat3::Identity() - c * c.transpose());
-    p.platform.com *= p.platform.mass / whole;
-    p.platform.mass = whole;
-  }
-  void operator()(DeltaParameters& p) const { p.platform.mass += mass; }
-  void operator()(CartesianParameters& p) const {
-    p.mass += mass;
-    for (double& each : p.massTable.mass) each += mass;
-  }
-};
-
 // The moving parts of a model, without its drives.
 DeviceParameters bodiesOf(const DeviceModel& model) {
   DeviceParameters bodies = model.device;
@@ -268,7 +251,14 @@ JointVector viscousFriction(const DeviceModel& model) {
 
 std::shared_ptr<const Mechanism> weightedMechanism(const DeviceModel& model) {
   DeviceParameters bodies = bodiesOf(model);
-  std::visit(Attach{model.weight}, bodies);
+  if (auto* tau =
+          std::get_if<TauParameters>(&bodies)) {  // about the new centre of mass, between the old one and the TCP
+    const double share = tau->platform.mass / (tau->platform.mass + model.weight);
+    const Vec3 c = tau->platform.com;
+    tau->platform.inertia += share * model.weight * (c.squaredNorm() * Mat3::Identity() - c * c.transpose());
+    tau->platform.com *= share;
+  }
+  addMass(bodies, model.weight);
   return makeMechanism(bodies);
 }
 

@@ -10,9 +10,9 @@
 
 namespace enamel::identify {
 
-inline constexpr double kComSpread = 0.01;  // m, of the platform
-inline constexpr const char* kWeight = "attached weight";
+inline constexpr double kComSpread = 0.01;     // m, of the platform
 inline constexpr double kGravitySpread = 1.0;  // m/s^2: an unbalanced remainder
+inline constexpr const char* kWeight = "attached weight";
 
 /// A device as the identification simulates it.
 struct DeviceModel {

@@ -211,8 +211,8 @@ std::string learntText(const std::string& text, const PositionControlState& lear
   scaleMasses(device, learnt.mass);
   std::string changed = text;
   for (const auto& [key, value] : std::visit(MassesOf{}, device)) changed = withValue(changed, key, value);
-  double& cables = imperfectionsOf(device).cableStiffness;
-  if (cables > 0.0) changed = withValue(changed, "imperfections.cable_stiffness", rounded(cables *= learnt.cable));
+  if (const double cables = imperfectionsOf(device).cableStiffness; cables > 0.0)
+    changed = withValue(changed, "imperfections.cable_stiffness", rounded(cables * learnt.cable));
   return withComment(
       "# Numbers that position control has learnt in use: a proposal. One factor holds for all masses, except those "
       "of\n"

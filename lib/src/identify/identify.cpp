@@ -219,12 +219,13 @@ double weightOf(const std::vector<RecordedMotion>& motions) {
 }
 
 RecordedMotion part(const RecordedMotion& motion, Eigen::Index begin, Eigen::Index end) {
-  RecordedMotion part = motion;
-  part.time.assign(motion.time.begin() + begin, motion.time.begin() + end);
-  part.isSample.assign(motion.isSample.begin() + begin, motion.isSample.begin() + end);
-  part.command = motion.command.middleCols(begin, end - begin);
-  part.reading = motion.reading.middleCols(begin, end - begin);
-  return part;
+  return {motion.period,
+          {motion.time.begin() + begin, motion.time.begin() + end},
+          motion.command.middleCols(begin, end - begin),
+          motion.reading.middleCols(begin, end - begin),
+          {motion.isSample.begin() + begin, motion.isSample.begin() + end},
+          motion.isLimited,
+          motion.weight};
 }
 
 // Motions without and with the weight take turns of kAlternation, so that the fit and its test see both.
@@ -285,13 +286,15 @@ Identification identifyDevice(const std::vector<RecordedMotion>& recorded, const
                               const IdentifyOptions& options) {
   require(!recorded.empty(), "the recordings have no motion of " + formatNumber(kShortestMotion) +
                                  " s without a gap and with the enable switch on");
+  for (const RecordedMotion& motion : recorded)
+    require(motion.period == recorded[0].period, "the recordings have different periods");
   Identification result;
   result.device = device;
   DeviceModel file = modelOf(device);
   file.weight = weightOf(recorded);
-  for (const RecordedMotion& motion : recorded)
-    require(motion.period == recorded[0].period, "the recordings have different periods");
-  const std::vector<RecordedMotion> motions = file.weight > 0.0 ? inTurn(recorded) : recorded;
+  std::vector<RecordedMotion> parts;
+  if (file.weight > 0.0) parts = inTurn(recorded);
+  const std::vector<RecordedMotion>& motions = file.weight > 0.0 ? parts : recorded;
   const Wiring wiring = checkWiring(file, motions);
   result.problems = wiring.problems;
   if (!result.isUsable()) return result;

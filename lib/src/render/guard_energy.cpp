@@ -1,4 +1,5 @@
 // Energy accounts of the guard: one from its own commands, one from the torque that the device reports.
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -25,11 +26,28 @@ constexpr double kLever = 0.05;  // m, lever that converts a moment to a force
 // Reported torque: filter time, s; least share of the commands' power; noise and maximum, of the motor's limit.
 constexpr double kReportTime = 0.01, kReportShare = 0.75, kReportNoise = 0.03, kLargestReport = 1.5;
 
+// Covariance of the prediction by a Kalman filter in the steady state: x becomes A x with noise Q, and each reading is
+// x[read] with variance R. Doubling: B. Anderson, "Second-order convergent algorithms for the steady-state Riccati
+// equation", 1978.
+template <int n>
+Matrix<n> steadyCovariance(const Matrix<n>& A, const Matrix<n>& Q, int read, double R) {
+  constexpr int kMostDoublings = 60;
+  Matrix<n> a = A.transpose(), b = Matrix<n>::Zero(), P = Q;
+  b(read, read) = 1.0 / R;
+  for (int i = 0; i < kMostDoublings; ++i) {
+    const Matrix<n> left = (Matrix<n>::Identity() + b * P).inverse(), step = a.transpose() * P * left * a;
+    b = (b + a * left * b * a.transpose()).eval();
+    a = (a * left * a).eval();
+    P += step;
+    if (step.norm() <= 1e-14 * P.norm()) break;
+  }
+  return P;
+}
+
 }  // namespace
 
 // Modes of the links, and the gains of their Kalman filters (lib/docs/guard.md). A filter starts with exact states.
 Guard::Modes Guard::modesOf(const Mechanism& device, const Drive& d) const {
-  constexpr int kMostSteps = 20000;
   Modes modes;
   JointMatrix links = device.home().inertia, axes;
   links.diagonal().array() -= d.rotorInertia;
@@ -45,7 +63,7 @@ Guard::Modes Guard::modesOf(const Mechanism& device, const Drive& d) const {
       torque += error * error;
       rounding += axis * axis * options_.encoderStep[j] * options_.encoderStep[j] / 12.0;
     }
-    Matrix<kMotion> step = Matrix<kMotion>::Identity(), P = Matrix<kMotion>::Zero();
+    Matrix<kMotion> step = Matrix<kMotion>::Identity();
     for (int i = 0; i < kPush; ++i) {
       mode.command[i] = motion.command[i];
       step(i, kPush) = motion.push[i];
@@ -56,15 +74,9 @@ Guard::Modes Guard::modesOf(const Mechanism& device, const Drive& d) const {
     const Matrix<kMotion, 1> impulse = step.col(kRotorRate) * (std::sqrt(torque) * options_.period / d.rotorInertia),
                              push = step.col(kPush) * (std::sqrt(torque) * kPushChange / kTorqueError);
     const Matrix<kMotion> noise = impulse * impulse.transpose() + push * push.transpose();
-    Matrix<kMotion, 1> gain = Matrix<kMotion, 1>::Zero(), last;
-    for (int i = 0; i < kMostSteps; ++i) {
-      last = gain;
-      P = (step * P * step.transpose() + noise).eval();
-      mode.variance = P(read(), read()) + rounding;
-      gain = P.col(read()) / mode.variance;
-      P = (P - gain * P.row(read())).eval();
-      if ((gain - last).norm() <= 1e-12 * gain.norm()) break;
-    }
+    const Matrix<kMotion> P = steadyCovariance(step, noise, read(), rounding);
+    mode.variance = P(read(), read()) + rounding;
+    const Matrix<kMotion, 1> gain = P.col(read()) / mode.variance;
     for (int i = 0; i < kMotion; ++i) mode.gain[i] = gain[i];
   }
   return modes;
@@ -82,11 +94,10 @@ void Guard::describeCables(const Mechanism& device) {
   mostMisfit_ = 1.0 + kSure * std::sqrt(1.5 * options_.period / (kMisfitTime * n_));
 }
 
+// Less than a step may be noise.
 void Guard::learnCables(double cables) noexcept {
-  const double step =
-      std::log(cables) / kStiffnessStep;  // less than one may be noise; NaN and infinite: as in the file
-  stiffness_ = static_cast<std::size_t>(
-      kOfFile + std::clamp(static_cast<int>(std::isfinite(step) ? std::trunc(step) : 0.0), -kOfFile, kOfFile));
+  const double steps = std::isfinite(cables) ? cables / kStiffnessStep : 0.0;
+  stiffness_ = static_cast<std::size_t>(kOfFile + static_cast<int>(std::clamp(steps, -1.0 * kOfFile, 1.0 * kOfFile)));
 }
 
 // Returns the first joint with an implausible report, or -1.

@@ -48,6 +48,7 @@ class PositionControlRenderer::Controller {
   virtual StateBlock stateBlock() noexcept = 0;
   virtual void stateLoaded() noexcept = 0;
   virtual PositionControlState state() const noexcept = 0;
+  virtual const LoopDelay& delay() const noexcept = 0;
   virtual ControlledModes modes() const noexcept = 0;
 };
 
@@ -94,7 +95,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void start(const TickFrame& frame, const JointRow& reading) noexcept;
   void decouple(const TickFrame& frame, bool whole) noexcept;
   void observe(const TickFrame& frame, const JointRow& reading) noexcept;
-  const LoopDelay& delay() const noexcept { return delays_[static_cast<int>(memory_.observer.design)]; }
+  const LoopDelay& delay() const noexcept override { return delays_[static_cast<int>(memory_.observer.design)]; }
   Rebound rebound() const noexcept { return {delay().reaction, options_.encoderStep}; }
   JointRow acting(int ahead) const noexcept;
   void learnDelay(const TickFrame& frame, const Lane& reading, const Lane& command) noexcept;
@@ -490,7 +491,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   if (kin.q.size() != n || frame.rows.count != frame.contacts.count) return Status::outOfRange;
   const double elapsed = frame.time - m.lastTime;
   output.saturated = false;
-  if constexpr (kMech == 4) output.cables = std::exp(m.observer.cable);
+  output.cables = m.observer.cable;
   if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {
     repeat(kin, output);
     return Status::ok;
@@ -559,6 +560,10 @@ PositionControlRenderer::PositionControlRenderer(const PositionControlOptions& o
 PositionControlRenderer::~PositionControlRenderer() = default;
 
 PositionControlState PositionControlRenderer::state() const noexcept { return controller_->state(); }
+Delay PositionControlRenderer::delay() const noexcept {
+  const LoopDelay& d = controller_->delay();
+  return {d.low, d.low + d.pending};
+}
 ControlledModes modesOf(const PositionControlRenderer& renderer) noexcept { return renderer.controller_->modes(); }
 
 void PositionControlRenderer::prepare(double period) {

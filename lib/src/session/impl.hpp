@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -86,6 +87,7 @@ struct Session::Impl final : TickSink {
   void enter(std::unique_ptr<session::World> next);
   std::size_t slotOf(ObstacleId id) const;
   void changeObstacles(session::Obstacles next);
+  void changeObstacle(ObstacleId id, const std::function<void(Obstacle&)>& change);
   void checkSize(ObstacleId id);
   RendererChoice choose(const std::string& name, const std::map<std::string, std::string>& parameters) const;
   void select(RendererChoice next);

@@ -94,34 +94,21 @@ void Session::replace(ObstacleId id, const SessionObstacle& by) {
 }
 
 void Session::setMaterial(ObstacleId id, const Material& material) {
-  const Lock lock = impl_->lock();
-  const std::size_t slot = impl_->slotOf(id);
-  Obstacles next = impl_->group->obstacles;
-  Obstacle changed = next.scene.obstacles()[slot];
-  require(!next.solids[slot], "obstacle \"" + changed.name + "\": a solid has the materials of its layers");
-  changed.material = material;
-  next.scene.replace(id.slot, std::move(changed));
-  impl_->changeObstacles(std::move(next));
+  impl_->changeObstacle(id, [&](Obstacle& changed) {
+    require(!impl_->group->obstacles.solids[static_cast<std::size_t>(id.slot)],
+            "obstacle \"" + changed.name + "\": a solid has the materials of its layers");
+    changed.material = material;
+  });
 }
 
 void Session::setTap(ObstacleId id, const Tap& tap) {
-  const Lock lock = impl_->lock();
-  const std::size_t slot = impl_->slotOf(id);
-  Obstacles next = impl_->group->obstacles;
-  Obstacle changed = next.scene.obstacles()[slot];
-  changed.tap = tap;
-  next.scene.replace(id.slot, std::move(changed));
-  impl_->changeObstacles(std::move(next));
+  impl_->changeObstacle(id, [&](Obstacle& changed) { changed.tap = tap; });
 }
 
 void Session::setSuspension(ObstacleId id, const std::optional<Suspension>& suspension) {
-  const Lock lock = impl_->lock();
-  const std::size_t slot = impl_->slotOf(id);
-  Obstacles next = impl_->group->obstacles;
-  Obstacle changed = next.scene.obstacles()[slot];
-  changed.suspension = suspension ? std::make_shared<const Suspension>(*suspension) : nullptr;
-  next.scene.replace(id.slot, std::move(changed));
-  impl_->changeObstacles(std::move(next));
+  impl_->changeObstacle(id, [&](Obstacle& changed) {
+    changed.suspension = suspension ? std::make_shared<const Suspension>(*suspension) : nullptr;
+  });
 }
 
 void Session::remove(ObstacleId id) {

@@ -242,6 +242,16 @@ void Session::Impl::changeObstacles(Obstacles next) {
   group->obstacles = std::move(next);
 }
 
+void Session::Impl::changeObstacle(ObstacleId id, const std::function<void(Obstacle&)>& change) {
+  const std::unique_lock<std::mutex> held = lock();
+  const std::size_t slot = slotOf(id);
+  Obstacles next = group->obstacles;
+  Obstacle changed = next.scene.obstacles()[slot];
+  change(changed);
+  next.scene.replace(id.slot, std::move(changed));
+  changeObstacles(std::move(next));
+}
+
 // Report a size that suggests another unit. Nothing is reported if 1024 changes are waiting.
 void Session::Impl::checkSize(ObstacleId id) {
   SessionEvent event;

@@ -69,7 +69,7 @@ struct TickOutput {
   double normalForce = 0.0;  ///< force of the wall on the tool along the deepest contact's normal, N
   /// The same for each contact: how the force divides between movable obstacles. All 0: it acts at the deepest contact.
   std::array<double, kMaxContacts> normalForces{};
-  double cables = 1.0;  ///< stiffness of the cables over that of the device file, as the renderer has learnt it
+  double cables = 0.0;  ///< ln(stiffness of the cables over the device file's), as the renderer has learnt it
 };
 
 /// Data of one tick, in SI units. Poses, twists and contacts are in W. Joint vectors have n entries.

@@ -73,7 +73,7 @@ class PositionControlRenderer final : public Renderer {
   ~PositionControlRenderer() override;
 
   bool needsInertia() const noexcept override { return true; }
-  Delay delay() const noexcept override { return {state().delayLow, state().delayHigh}; }
+  Delay delay() const noexcept override;
 
   /// Return the estimates of the last tick. Realtime: yes.
   PositionControlState state() const noexcept;
