@@ -228,7 +228,8 @@ TEST_CASE("the shipped delta has the published dimensions", "[device_file]") {
 TEST_CASE("damping, friction and mass are added to every kind", "[device_file]") {
   Vec6 damping;
   damping << 1.0, 2.0, 3.0, 4.0, 5.0, 6.0;
-  for (const std::string file : {"tau-nominal.toml", "delta.toml", "cartesian-3.toml", "cartesian-6.toml"}) {
+  for (const std::string file :
+       {"tau-nominal.toml", "delta.toml", "cartesian-3.toml", "cartesian-6.toml", "stylus.toml"}) {
     INFO(file);
     const DeviceParameters before = loadDevice(test::deviceFile(file));
     DeviceParameters after = before;
@@ -250,6 +251,8 @@ TEST_CASE("damping, friction and mass are added to every kind", "[device_file]")
       const CartesianParameters& device = std::get<CartesianParameters>(after);
       for (int i = 0; i < 6; ++i) CHECK(device.damping[i] == (i < plain.axes ? damping[i] + 0.5 : 0.0));
       CHECK(device.mass == plain.mass + 0.25);
+      for (std::size_t i = 0; i < plain.massTable.mass.size(); ++i)
+        CHECK(device.massTable.mass[i] == plain.massTable.mass[i] + 0.25);
     }
     CHECK_NOTHROW(makeMechanism(after));
   }
