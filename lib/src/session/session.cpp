@@ -243,7 +243,7 @@ void Session::Impl::changeObstacles(Obstacles next) {
 }
 
 void Session::Impl::changeObstacle(ObstacleId id, const std::function<void(Obstacle&)>& change) {
-  const std::unique_lock<std::mutex> owned = lock();
+  const std::unique_lock<std::mutex> exclusive = lock();
   const std::size_t slot = slotOf(id);
   Obstacles next = group->obstacles;
   Obstacle changed = next.scene.obstacles()[slot];
