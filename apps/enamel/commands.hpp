@@ -10,6 +10,7 @@ namespace enamel::app {
 void addEvaluate(CLI::App& app);
 void addDesign(CLI::App& app);
 void addIdentify(CLI::App& app);
+void addFriction(CLI::App& app);
 void addPush(CLI::App& app);
 void addReplay(CLI::App& app);
 void addExport(CLI::App& app);

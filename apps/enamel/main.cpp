@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
     enamel::app::addEvaluate(app);
     enamel::app::addDesign(app);
     enamel::app::addIdentify(app);
+    enamel::app::addFriction(app);
     enamel::app::addPush(app);
     enamel::app::addReplay(app);
     enamel::app::addExport(app);

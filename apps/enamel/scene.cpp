@@ -43,6 +43,8 @@ std::string materialText(const Material& m) {
   std::string text = std::isinf(m.stiffness) ? "rigid" : fmt::format("{:.4g} N/m", m.stiffness);
   text += m.friction > 0.0 ? fmt::format(", friction {:.3g}", m.friction) : ", without friction";
   if (m.viscosity > 0.0) text += fmt::format(", {:.3g} N s/m", m.viscosity);
+  if (m.roughness > 0.0)
+    text += fmt::format(", rough: {:.3g} um, waves up to {:.3g} mm", 1e6 * m.roughness, 1e3 * m.wavelength);
   if (!m.isLayer()) return text;
   if (m.exponent != 1.0) text += fmt::format(", exponent {:.3g} (the stiffness is that at 1 mm)", m.exponent);
   if (std::isfinite(m.thickness)) text += fmt::format(", layer of {:.3g} mm", 1e3 * m.thickness);

@@ -132,6 +132,9 @@ namespace Enamel
         public double thickness;
         public double hysteresis;
         public double puncture;
+        public double stribeck;
+        public double roughness;
+        public double wavelength;
     }
 
     [StructLayout(LayoutKind.Sequential)]

@@ -270,6 +270,9 @@ class EnamelMaterial(Structure):
         ("thickness", c_double),
         ("hysteresis", c_double),
         ("puncture", c_double),
+        ("stribeck", c_double),
+        ("roughness", c_double),
+        ("wavelength", c_double),
     ]
 
 
@@ -563,11 +566,12 @@ def pose(position=(0.0, 0.0, 0.0), rotation=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 
 
 
 def material(stiffness=float("inf"), friction=0.0, sliding_friction=None, viscosity=0.0, exponent=1.0, thickness=0.0,
-             hysteresis=0.0, puncture=0.0):
+             hysteresis=0.0, puncture=0.0, stribeck=0.0, roughness=0.0, wavelength=0.0):
     """Return a material: N/m, friction at rest, friction while sliding (default: the same), N s/m. Of a compliant layer
-    also the exponent of force over depth, its thickness (m; 0: none), s/m, and the force that breaks it (N; 0: none)."""
+    also the exponent of force over depth, its thickness (m; 0: none), s/m, and the force that breaks it (N; 0: none).
+    The Stribeck speed is in m/s. Of a rough surface also the root mean square height and the longest wavelength, m."""
     return EnamelMaterial(stiffness, friction, friction if sliding_friction is None else sliding_friction, viscosity,
-                          exponent, thickness, hysteresis, puncture)
+                          exponent, thickness, hysteresis, puncture, stribeck, roughness, wavelength)
 
 
 def bur(part=0, wear=0.05, turns=2000.0):

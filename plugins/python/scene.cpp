@@ -195,6 +195,27 @@ void addObstacles(SceneClass& scene) {
           "mm)^(exponent - 1) / (1 - x / thickness), times 1 + hysteresis x' while x grows by x' m/s. A force of "
           "`puncture` N breaks it. Raises Error if a number is not valid.")
       .def(
+          "set_surface",
+          [](SceneFile& self, int obstacle, double friction, const std::optional<double>& sliding, double stribeck,
+             double viscosity, double roughness, double wavelength) {
+            Obstacle changed = obstacleAt(self, obstacle);
+            if (std::holds_alternative<std::shared_ptr<const Solid>>(changed.shape))
+              throw Error("obstacle \"" + changed.name + "\": a solid has the materials of its layers");
+            changed.material.friction = friction;
+            changed.material.slidingFriction = sliding.value_or(friction);
+            changed.material.stribeck = stribeck;
+            changed.material.viscosity = viscosity;
+            changed.material.roughness = roughness;
+            changed.material.wavelength = wavelength;
+            self.scene.replace(obstacle, std::move(changed));
+          },
+          py::arg("obstacle"), py::arg("friction") = 0.0, py::arg("sliding_friction") = py::none(),
+          py::arg("stribeck_speed") = 0.0, py::arg("viscosity") = 0.0, py::arg("roughness") = 0.0,
+          py::arg("wavelength") = 0.0,
+          "Set what a sliding tool feels: friction at rest and while sliding (default: the same), the speed (m/s) at "
+          "which it has fallen by 63 %, viscosity (N s/m), and of a rough surface its root mean square height and its "
+          "longest wavelength (m). Raises Error if a number is not valid.")
+      .def(
           "set_tap",
           [](SceneFile& self, int obstacle, const std::variant<std::string, std::pair<double, double>>& tap) {
             Obstacle changed = obstacleAt(self, obstacle);

@@ -40,6 +40,8 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
   block.material.thickness = 1e-3;
   block.material.hysteresis = 1.0;
   block.material.puncture = 2.0;
+  block.material.roughness = 5e-6;
+  block.material.wavelength = 3e-4;
   movable.add(block);
   Tool lying;
   lying.parts[0] = {{-2e-3, 0.0, 0.0}, {2e-3, 0.0, 0.0}, 0.0};

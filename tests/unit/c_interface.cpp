@@ -344,7 +344,7 @@ TEST_CASE("errors have the reason of the library, and change nothing", "[c]") {
   ball.triangles = corners;
   ball.triangle_count = 1;
   CHECK(enamel_add(session, &ball, &second) == ENAMEL_FAILED);
-  EnamelMaterial gum{1500.0, 0.1, 0.1, 0.0, 1.5, 2e-3, 1.0, 3.0};
+  EnamelMaterial gum{1500.0, 0.1, 0.1, 0.0, 1.5, 2e-3, 1.0, 3.0, 0.01, 5e-6, 3e-4};
   CHECK(enamel_set_material(session, first, &gum) == ENAMEL_OK);
   gum.exponent = 11.0;
   CHECK(enamel_set_material(session, first, &gum) == ENAMEL_FAILED);
@@ -356,6 +356,14 @@ TEST_CASE("errors have the reason of the library, and change nothing", "[c]") {
   CHECK(enamel_set_material(session, first, &gum) == ENAMEL_OK);
   gum.hysteresis = -1.0;
   CHECK(enamel_set_material(session, first, &gum) == ENAMEL_FAILED);
+  gum.hysteresis = 0.0;
+  gum.roughness = 1e-5;
+  CHECK(enamel_set_material(session, first, &gum) == ENAMEL_FAILED);
+  CHECK_THAT(session.message(), ContainsSubstring("a roughness of 1e-05 m"));
+  gum.roughness = 0.0;
+  gum.stribeck = -1.0;
+  CHECK(enamel_set_material(session, first, &gum) == ENAMEL_FAILED);
+  CHECK_THAT(session.message(), ContainsSubstring("a Stribeck speed of -1 m/s"));
   EnamelPose away{{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   CHECK(enamel_move(session, first, &away, nullptr) == ENAMEL_FAILED);
   REQUIRE(enamel_remove(session, first) == ENAMEL_OK);

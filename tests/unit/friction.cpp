@@ -190,6 +190,55 @@ TEST_CASE("friction follows a contact by its key, and by its place where it has 
   }
 }
 
+TEST_CASE("friction falls from rest to sliding with the speed (Stribeck)", "[friction]") {
+  Contact contact = rough(0.5, 0.2);
+  contact.material.stribeck = 0.01;
+  const auto sliding = [&](double speed) {  // at a constant speed, m/s, under 2 N
+    FrictionMemory memory;
+    Vec3 force;
+    for (int i = 0; i < 200; ++i) {
+      memory.begin();
+      force = memory.force(contact, {{speed * kPeriod, 0, 0}, Vec3::Zero(), {speed, 0, 0}}, {1e6, 0.0}, 2.0);
+      memory.end();
+    }
+    return -force.x() / 2.0;
+  };
+  for (const double speed : {1e-3, 5e-3, 0.01, 0.02, 0.1})
+    CHECK(sliding(speed) == Approx(0.2 + 0.3 * std::exp(-(speed / 0.01) * (speed / 0.01))).epsilon(1e-9));
+  contact.material.stribeck = 0.0;
+  CHECK(sliding(1e-3) == Approx(0.2).epsilon(1e-9));
+}
+
+TEST_CASE("a mass on a spring sticks and slips where friction falls with the speed, and not above", "[friction]") {
+  // m x'' = k (V t - x) + d (V - x') - F. Steady sliding at V is unstable if F falls faster with the speed than d. The
+  // slope of F is -2 (mu_s - mu_k) N V / v_s^2 exp(-(V / v_s)^2).
+  Contact contact = rough(0.5, 0.2);
+  contact.material.stribeck = 0.01;
+  constexpr double kMass = 0.2, kSpring = 2000.0, kDamper = 5.0, kNormal = 2.0;
+  const auto slope = [&](double v) {
+    return 2.0 * 0.3 * kNormal * v / 1e-4 * std::exp(-(v / 0.01) * (v / 0.01));
+  };
+  REQUIRE(slope(0.007) > 5.0 * kDamper);
+  REQUIRE(slope(0.04) < 0.1 * kDamper);
+  const auto spread = [&](double pull) {  // of the speed, relative, after 1 s
+    FrictionMemory memory;
+    double x = 0.0, v = pull, last = 0.0, least = 1e9, most = -1e9;
+    for (int i = 0; i < 20000; ++i) {  // ticks of 0.1 ms, so that the model of the surface is hardly sampled
+      const double dt = 1e-4, t = dt * i;
+      memory.begin();
+      const Vec3 force = memory.force(contact, {{x - last, 0, 0}, Vec3::Zero(), {v, 0, 0}}, {2e5, 50.0}, kNormal);
+      memory.end();
+      last = x;
+      v += dt * (kSpring * (pull * t - x) + kDamper * (pull - v) + force.x()) / kMass;
+      x += dt * v;
+      if (t > 1.0) least = std::min(least, v), most = std::max(most, v);
+    }
+    return (most - least) / pull;
+  };
+  CHECK(spread(0.007) > 0.5);
+  CHECK(spread(0.04) < 0.02);
+}
+
 // A mass on a rough surface under a hand whose force changes at random. The model's mass is wrong by up to 30 %. The
 // work of friction on the mass may exceed zero only by what one held tick can contribute. A hand that reverses inside a
 // tick moves the mass along with a force that is not updated.

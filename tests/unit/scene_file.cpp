@@ -217,6 +217,30 @@ TEST_CASE("scene files: a suspension is read", "[scene]") {
   CHECK_THROWS_WITH(with(mass + "mass = 1\n"), test::ContainsSubstring("suspension.mass: is not a known key"));
 }
 
+TEST_CASE("scene files: a rough surface and its friction are read", "[scene]") {
+  const Material& m = sphereWith("friction = 0.4\nsliding_friction = 0.2\nstribeck_speed = 0.01\nroughness = 5e-6\n"
+                                 "wavelength = 3e-4\n")
+                          .scene.obstacles()[0]
+                          .material;
+  CHECK((m.friction == 0.4 && m.slidingFriction == 0.2 && m.stribeck == 0.01));
+  CHECK((m.roughness == 5e-6 && m.wavelength == 3e-4));
+  for (const auto& [keys, problem] :
+       {std::pair("stribeck_speed = -1\n", "s.toml:8: obstacle[0].stribeck_speed: is -1, must be in 0 to 10 m/s"),
+        {"wavelength = 1.0\n", "s.toml:8: obstacle[0].wavelength: is 1, must be in 1e-05 to 0.01 m"},
+        {"roughness = 5e-6\n",
+         "s.toml:8: obstacle[0].roughness: needs \"wavelength\": the longest one of the rough surface"},
+        {"wavelength = 1e-4\nroughness = 5e-6\n",
+         "s.toml:9: obstacle[0].roughness: is 5e-06, must be in 0 to 2e-06 m"}})
+    CHECK_THROWS_WITH(sphereWith(keys), problem);
+  Scene scene;  // the same from programs, without a file
+  Obstacle ball{"ball", Sphere{0.01}, Pose{}, Vec6::Zero(), {}};
+  ball.material.roughness = 1e-6;
+  CHECK_THROWS_WITH(scene.add(ball), test::ContainsSubstring("a roughness of 1e-06 m and a wavelength of 0 m"));
+  ball.material.roughness = 0.0;
+  ball.material.stribeck = std::nan("");
+  CHECK_THROWS_WITH(scene.add(ball), test::ContainsSubstring("a Stribeck speed of nan m/s, must be in 0 to 10 m/s"));
+}
+
 TEST_CASE("scene files: a compliant layer is read", "[scene]") {
   const SceneFile file =
       sphereWith("stiffness = 1500\nexponent = 1.5\nlayer_thickness = 0.002\nhysteresis = 0.8\npuncture_force = 2.5\n");
@@ -301,7 +325,8 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
   requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, 2.0]\nsize = [1, 1, 1]",
                  "scene.toml:8: obstacle[0].size: is not a known key; possible are exponent, friction, hysteresis, "
                  "layer_thickness, name, "
-                 "normal, point, puncture_force, shape, sliding_friction, stiffness, suspension, tap, viscosity");
+                 "normal, point, puncture_force, roughness, shape, sliding_friction, stiffness, stribeck_speed, "
+                 "suspension, tap, viscosity, wavelength");
   requireRefused("name = \"box\"", "name = \"wall\"",
                  "scene.toml:9: obstacle[1].name: is \"wall\", which is also the name of another obstacle");
   requireRefused("size = [0.02, 0.03, 0.04]", "size = [0.02, 0.0, 0.04]",
@@ -317,7 +342,8 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
       "friction = 0.3", "friction = 0.3\ncolour = 1",
       "scene.toml:15: obstacle[1].colour: is not a known key; possible are centre, euler_deg, exponent, friction, "
       "hysteresis, "
-      "layer_thickness, name, puncture_force, shape, size, sliding_friction, stiffness, suspension, tap, viscosity");
+      "layer_thickness, name, puncture_force, roughness, shape, size, sliding_friction, stiffness, stribeck_speed, "
+      "suspension, tap, viscosity, wavelength");
   CHECK_THROWS_WITH(parseScene("name = \"a\"\nstart = [0, 0, 0]\nobstacle = []\n", "s.toml"),
                     "s.toml:3: obstacle: has 0 elements, must be 1 to 64");
   CHECK_THROWS_WITH(loadScene("/no/such/scene.toml"),

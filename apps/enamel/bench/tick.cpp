@@ -222,6 +222,19 @@ void addTaps(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
                 {{"taps", &plain}, {"taps with transients", &enamel}}, rows);
 }
 
+// Compare a tick at a wall with one at the same wall with the roughness of a coarse diamond, lib/docs/surfaces.md.
+void addRough(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
+              const std::vector<std::pair<const char*, Renderer*>>& renderers, std::vector<Measurement>& rows) {
+  Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());
+  Scene smooth, rough;
+  smooth.add(wall);
+  wall.material.roughness = 6e-6;
+  wall.material.wavelength = 3e-4;
+  rough.add(wall);
+  compareScenes(mechanism, pathThroughTheWall(mechanism, ticks, 5e-3, -1e-4, 5e-5), guarded, renderers,
+                {{"smooth wall", &smooth}, {"rough wall", &rough}}, rows);
+}
+
 // The measurements and their common inputs.
 struct TickBench {
   std::shared_ptr<const TauMechanism> mechanism;
@@ -408,6 +421,7 @@ std::vector<Measurement> measureTick(double scale) {
                        bench.rows);
   addBlocks(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}}, bench.rows);
   addTaps(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}}, bench.rows);
+  addRough(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}}, bench.rows);
   addRecording(bench, servo);
   addPush(bench, hold, std::max(10, static_cast<int>(100 * scale)));
   return std::move(bench.rows);

@@ -34,6 +34,9 @@ inline Material materialOf(const EnamelMaterial& m) noexcept {
   if (m.thickness != 0.0) material.thickness = m.thickness;
   material.hysteresis = m.hysteresis;
   if (m.puncture != 0.0) material.puncture = m.puncture;
+  material.stribeck = m.stribeck;
+  material.roughness = m.roughness;
+  material.wavelength = m.wavelength;
   return material;
 }
 

@@ -148,6 +148,14 @@ void checkMaterial(const Material& m, const std::string& name) {
     throw Error(name + ": the material must have an exponent in 1 to " + formatNumber(kLargestExponent) +
                 ", a thickness above 0 m, a hysteresis in 0 to " + formatNumber(kLargestHysteresis) +
                 " s/m, and a puncture force above 0 N");
+  if (!(m.stribeck >= 0.0 && m.stribeck <= kLargestStribeck))
+    throw Error(name + ": the material has a Stribeck speed of " + formatNumber(m.stribeck) + " m/s, must be in 0 to " +
+                formatNumber(kLargestStribeck) + " m/s");
+  if (!(m.wavelength >= 0.0 && m.wavelength <= kLongestWave) ||
+      !(m.roughness >= 0.0 && m.roughness <= kSteepestRoughness * m.wavelength))
+    throw Error(name + ": the material has a roughness of " + formatNumber(m.roughness) + " m and a wavelength of " +
+                formatNumber(m.wavelength) + " m; the wavelength must be in 0 to " + formatNumber(kLongestWave) +
+                " m, and the roughness in 0 to " + formatNumber(kSteepestRoughness) + " of it");
   const bool isRigid = std::isinf(m.stiffness);
   if (isRigid && (m.isLayer() || !std::isinf(m.puncture)))
     throw Error(name + ": an exponent, a thickness, a hysteresis or a puncture force needs a finite stiffness");

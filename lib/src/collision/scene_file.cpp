@@ -21,6 +21,7 @@ constexpr double kLeastThickness = 1e-6, kMostThickness = 0.01;
 constexpr double kMostInertia = 1e6, kMostStiffness = 1e9, kMostDamping = 1e6;  // of a suspension, SI
 constexpr double kLeastLayer = 1e-5, kMostLayer = 0.1;                          // m
 constexpr double kLeastPuncture = 1e-3, kMostPuncture = 1e3;                    // N
+constexpr double kShortestWave = 1e-5;                                          // m
 constexpr int kMaxObstacles = 64;
 
 void requireWithin(const TomlTable& table, const char* key, const Vec3& value, double low, double high,
@@ -160,6 +161,11 @@ void readMaterial(TomlTable& table, Material& material) {
   material.slidingFriction = material.friction;
   read("sliding_friction", 0.0, material.friction, "", material.slidingFriction);
   read("viscosity", 0.0, 1e3, " N s/m", material.viscosity);
+  read("stribeck_speed", 0.0, kLargestStribeck, " m/s", material.stribeck);
+  read("wavelength", kShortestWave, kLongestWave, " m", material.wavelength);
+  if (table.has("roughness") && !table.has("wavelength"))
+    table.fail("roughness", "needs \"wavelength\": the longest one of the rough surface");
+  read("roughness", 0.0, kSteepestRoughness * material.wavelength, " m", material.roughness);
   read("exponent", 1.0, kLargestExponent, "", material.exponent);
   read("layer_thickness", kLeastLayer, kMostLayer, " m", material.thickness);
   read("hysteresis", 0.0, kLargestHysteresis, " s/m", material.hysteresis);

@@ -118,16 +118,17 @@ void ComplianceMemory::enter(const Scene& scene, const Tool& tool, ContactSnapsh
     isMoved = true;
     c.gap += c.material.thickness;
     c.compression = -1.0;
-    c.material = {Material{}.stiffness, c.material.friction, c.material.slidingFriction, c.material.viscosity};
+    const Material rigid;
+    c.material.stiffness = rigid.stiffness;
+    c.material.exponent = rigid.exponent;
+    c.material.thickness = rigid.thickness;
+    c.material.hysteresis = rigid.hysteresis;
+    c.material.puncture = rigid.puncture;
   }
-  const auto first = contacts.contacts.begin();
-  for (int i = 1; isMoved && i < contacts.count; ++i)  // the deepest first, as before; std::stable_sort allocates
-    std::rotate(
-        std::upper_bound(first, first + i, first[i], [](const Contact& a, const Contact& b) { return a.gap < b.gap; }),
-        first + i, first + i + 1);
+  if (isMoved) sortByDepth(contacts);
   last_ = {};
   for (int i = 0; i < contacts.count; ++i) {
-    const Contact& c = first[i];
+    const Contact& c = contacts.contacts[static_cast<std::size_t>(i)];
     last_[static_cast<std::size_t>(i)] = {static_cast<double>(c.obstacle), static_cast<double>(c.part),
                                           static_cast<double>(c.key), std::max(0.0, c.compression),
                                           c.isPunctured ? 1.0 : 0.0};

@@ -64,8 +64,9 @@ Vec3 FrictionMemory::force(const Contact& contact, const SurfaceMotion& slide, c
   // Strong ticks save budget for weak ones, so that a hopping tool keeps its grip until it lands.
   const double holds = normalForce > 0.0 ? std::min(std::max(load, normalForce), budget) : budget;
   // The spring decides whether the contact slides. The damper must not: it reacts to every encoder count.
-  slides = stiffness * (stretch + lead).norm() > (slides ? material.slidingFriction : material.friction) * holds;
-  const double most = (slides ? material.slidingFriction : material.friction) * holds;
+  const double sliding = material.slidingRatio(velocity.norm());
+  slides = stiffness * (stretch + lead).norm() > (slides ? sliding : material.friction) * holds;
+  const double most = (slides ? sliding : material.friction) * holds;
   if (slides) stretch = shortened(stretch + lead, most / std::max(stiffness, 1e-12)) - lead;
   const Vec3 force = shortened(-stiffness * (stretch + lead) - damping * velocity, most);
 

@@ -50,7 +50,7 @@ bool isMaterial(const Material& m) noexcept {
   return m.stiffness > 0.0 && m.friction >= 0.0 && m.friction <= 10.0 && m.slidingFriction >= 0.0 &&
          m.slidingFriction <= m.friction && m.viscosity >= 0.0 && m.viscosity <= kLargestViscosity &&
          m.exponent >= 1.0 && m.exponent <= kLargestExponent && m.thickness > 0.0 && m.hysteresis >= 0.0 &&
-         m.hysteresis <= kLargestHysteresis && m.puncture > 0.0;
+         m.hysteresis <= kLargestHysteresis && m.puncture > 0.0 && m.stribeck >= 0.0 && m.stribeck <= kLargestStribeck;
 }
 
 // Every value has a limit, so NaN and infinity fail.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "enamel/render/roughness.hpp"
+
 namespace enamel {
 namespace {
 
@@ -106,6 +108,11 @@ Status HapticTick::sense(const Measurement& m) noexcept {
 Status HapticTick::findContacts(double time, double elapsed) noexcept {
   const Status status = scene_.findContacts(frame_.kinematics.pose, time, elapsed, frame_.contacts);
   if (status != Status::ok) return status;
+  if (scene_.isRough()) {
+    const int bur = drill_ != nullptr && drill_->spins() ? drill_->part() : -1;  // it removes what it would feel
+    roughen(scene_.scene(), scene_.tool(), frame_.kinematics, mechanism_.limits().encoderStep, guard_.options().period,
+            bur, frame_.contacts);
+  }
   if (const double scale = mechanism_.scale(); scale != 1.0)  // materials are stated for forces at the hand
     for (int i = 0; i < frame_.contacts.count; ++i) scaleForces(frame_.contacts.contacts[i].material, 1.0 / scale);
   if (drill_ != nullptr) drill_->correct(frame_.contacts);

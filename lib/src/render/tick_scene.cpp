@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "enamel/render/roughness.hpp"
 #include "enamel/render/tap_transient.hpp"
 
 namespace enamel {
@@ -25,7 +26,8 @@ TickScene::TickScene(const Scene& scene, const Tool& tool)
       motion_(scene),
       compliance_(scene),
       track_(makeToolTrack(scene, tool)),
-      hasTaps_(enamel::hasTaps(scene)) {}
+      hasTaps_(enamel::hasTaps(scene)),
+      isRough_(enamel::isRough(scene)) {}
 
 Status TickScene::findContacts(const Pose& pose, double time, double elapsed, ContactSnapshot& contacts) noexcept {
   const Scene& now = motion_.follow(*stated_, time, elapsed);

@@ -116,6 +116,16 @@ class Scene:
         hysteresis: float = ...,
         puncture: float = ...,
     ) -> None: ...
+    def set_surface(
+        self,
+        obstacle: int,
+        friction: float = ...,
+        sliding_friction: Optional[float] = ...,
+        stribeck_speed: float = ...,
+        viscosity: float = ...,
+        roughness: float = ...,
+        wavelength: float = ...,
+    ) -> None: ...
     def set_tap(self, obstacle: int, tap: Union[str, Tuple[float, float]]) -> None: ...
     def suspend(
         self,

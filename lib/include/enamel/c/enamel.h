@@ -81,6 +81,9 @@ typedef struct EnamelMaterial {
   double thickness;        /* at which a compliant layer bottoms out, m; 0: never */
   double hysteresis;       /* damping in proportion to the force, s/m */
   double puncture;         /* force at which the layer breaks, N; 0: never; needs a thickness */
+  double stribeck;         /* sliding speed at which friction has fallen by 63 % to sliding_friction, m/s; 0: at once */
+  double roughness;        /* root mean square height of a rough surface, m */
+  double wavelength;       /* longest one of a rough surface, m */
 } EnamelMaterial;
 
 /* How an obstacle moves under contact forces, along and about the axes of its frame. 0 inertia: it does not. */

@@ -1,6 +1,7 @@
 // The result of a contact query: a snapshot of fixed size that renderers only read.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -36,5 +37,13 @@ struct ContactSnapshot {
   int count = 0;
   int omitted = 0;  ///< shallower contacts within the margin for which there was no room
 };
+
+/// Put the contacts in order again after their gaps changed. Equal ones keep their order. Realtime: yes.
+inline void sortByDepth(ContactSnapshot& contacts) noexcept {
+  const auto first = contacts.contacts.begin();
+  const auto isDeeper = [](const Contact& a, const Contact& b) { return a.gap < b.gap; };
+  for (int i = 1; i < contacts.count; ++i)  // std::stable_sort allocates
+    std::rotate(std::upper_bound(first, first + i, first[i], isDeeper), first + i, first + i + 1);
+}
 
 }  // namespace enamel

@@ -39,15 +39,27 @@ struct Material {
   double thickness = std::numeric_limits<double>::infinity();  ///< at which the layer bottoms out, m
   double hysteresis = 0.0;  ///< damping in proportion to the force (Hunt and Crossley 1975), s/m
   double puncture = std::numeric_limits<double>::infinity();  ///< force that pierces the layer, N; needs a thickness
+  double stribeck = 0.0;    ///< sliding speed at which friction has fallen by 63 % of mu_s - mu_k, m/s; 0: at once
+  double roughness = 0.0;   ///< root mean square height of the surface (render/roughness.hpp), m; 0: smooth
+  double wavelength = 0.0;  ///< longest one of a rough surface, m
 
   /// Return whether the force is more than stiffness times compression. Realtime: yes.
   bool isLayer() const noexcept { return exponent != 1.0 || !std::isinf(thickness) || hysteresis != 0.0; }
+
+  /// Return the ratio of tangential to normal force while sliding at a speed, m/s, without viscosity. Realtime: yes.
+  double slidingRatio(double speed) const noexcept {
+    if (!(stribeck > 0.0)) return slidingFriction;
+    return slidingFriction + (friction - slidingFriction) * std::exp(-(speed / stribeck) * (speed / stribeck));
+  }
 };
 
 /// Largest viscosity, N s/m: larger values make every tick unstable.
 inline constexpr double kLargestViscosity = 1000.0;
 inline constexpr double kLargestExponent = 10.0;     ///< of a material
 inline constexpr double kLargestHysteresis = 100.0;  ///< of a material, s/m
+inline constexpr double kLargestStribeck = 10.0;     ///< of a material, m/s
+inline constexpr double kLongestWave = 0.01;         ///< of a material, m
+inline constexpr double kSteepestRoughness = 0.02;   ///< largest roughness over wavelength: slopes are then about 0.4
 
 /// Multiply the forces of a material by a factor, for a scene in another scale. Realtime: yes.
 inline void scaleForces(Material& material, double factor) noexcept {

@@ -37,8 +37,9 @@ struct SceneFile {
 ///   table `suspension`.
 ///
 /// Keys of a material: `stiffness` [N/m] (default: rigid), `friction` (default 0), `sliding_friction` (default:
-/// `friction`), `viscosity` [N s/m] (default 0). Of a compliant layer also: `exponent` (default 1), `layer_thickness`
-/// [m] (default: none), `hysteresis` [s/m] (default 0), `puncture_force` [N] (default: none). See Material.
+/// `friction`), `stribeck_speed` [m/s] (default 0), `viscosity` [N s/m] (default 0). Of a rough surface also:
+/// `roughness` and `wavelength` [m]. Of a compliant layer also: `exponent` (default 1), `layer_thickness` [m] (default:
+/// none), `hysteresis` [s/m] (default 0), `puncture_force` [N] (default: none). See Material.
 ///
 /// Keys of a suspension: `inertia` (six numbers), `stiffness` and `damping` (default 0), `centre` (default: the origin
 /// of the obstacle's frame). See Suspension.

@@ -37,6 +37,8 @@ class Drill {
   /// Start or stop the bur. It does not spin at first. Realtime: yes.
   void spin(bool on) noexcept { isOn_ = on; }
   bool spins() const noexcept { return isOn_; }
+  /// Return the number of the part that cuts. Realtime: yes.
+  int part() const noexcept { return number_; }
 
   /// Correct the contacts before the renderer reads them, to account for the cut under way. Change gaps and the
   /// velocity at which the surface recedes. Limit the stiffness of contacts more than 26 deg off the force to 20 N/mm.

@@ -23,6 +23,8 @@ class TickScene {
   const Tool& tool() const noexcept { return tool_; }
   /// Return whether a tap on the scene has a transient (Obstacle::tap). Realtime: yes.
   bool hasTaps() const noexcept { return hasTaps_; }
+  /// Return whether an obstacle is rough (Material::roughness). Realtime: yes.
+  bool isRough() const noexcept { return isRough_; }
   const SceneMotion& motion() const noexcept { return motion_; }
   SceneMotion& motion() noexcept { return motion_; }
   ComplianceMemory& compliance() noexcept { return compliance_; }
@@ -56,7 +58,7 @@ class TickScene {
   SceneMotion motion_;
   ComplianceMemory compliance_;
   ToolTrack track_;
-  bool hasTaps_;
+  bool hasTaps_, isRough_;
 };
 
 }  // namespace enamel

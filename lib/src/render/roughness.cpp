@@ -1,0 +1,92 @@
+#include "enamel/render/roughness.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "core/trigonometry.hpp"
+#include "enamel/render/renderer.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr int kWaves = 24;
+constexpr double kHurst = 0.8;  // exponent of a self-affine surface
+constexpr double kDecade = 10.0;
+constexpr double kLeastSamples = 4.0, kEnoughSamples = 8.0;  // of a wave, per wavelength
+
+using Numbers = Eigen::Array<double, kWaves, 1>;
+
+// The waves of a surface whose longest wavelength is 1 and whose root mean square height is 1.
+struct Waves {
+  Numbers length, amplitude, phase;
+  Eigen::Array<double, kWaves, 3> direction;
+};
+
+// Directions lie on a spiral over the sphere, in an order without a trend; phases follow the golden ratio.
+const Waves kUnit = [] {
+  constexpr double kGolden = 0.6180339887498949;
+  constexpr int kStride = 7;  // has no divisor in common with kWaves
+  Waves waves;
+  for (int k = 0; k < kWaves; ++k) {
+    const int place = k * kStride % kWaves;
+    const double z = 1.0 - (2.0 * place + 1.0) / kWaves, turn = 2.0 * M_PI * kGolden * place;
+    const double across = std::sqrt(1.0 - z * z);
+    waves.direction.row(k) << across * std::cos(turn), across * std::sin(turn), z;
+    waves.phase[k] = 2.0 * M_PI * std::fmod(kGolden * (k + 1), 1.0);
+    waves.length[k] = std::pow(kDecade, -k / (kWaves - 1.0));
+    waves.amplitude[k] = std::pow(waves.length[k], kHurst);
+  }
+  waves.amplitude *= std::sqrt(2.0 / waves.amplitude.square().sum());
+  return waves;
+}();
+
+}  // namespace
+
+SurfaceHeight heightAt(const Material& material, const Vec3& place, double radius, double passed) noexcept {
+  SurfaceHeight surface;
+  if (!(material.roughness > 0.0)) return surface;
+  const Numbers length = material.wavelength * kUnit.length, wave = 2.0 * M_PI / length;
+  Numbers amplitude = (material.roughness * kUnit.amplitude).min(length.square() / (16.0 * std::max(radius, 1e-9)));
+  const double step = std::max(passed, 1e-12);
+  amplitude *= ((length / step - kLeastSamples) / (kEnoughSamples - kLeastSamples)).max(0.0).min(1.0);
+  const Numbers angle = wave * (kUnit.direction.matrix() * place).array() + kUnit.phase;
+  Numbers sine, cosine;
+  sinCos<kWaves>(angle, sine, cosine);
+  surface.height = (amplitude * cosine).sum();
+  surface.gradient = -(kUnit.direction.matrix().transpose() * (amplitude * wave * sine).matrix());
+  return surface;
+}
+
+bool isRough(const Scene& scene) noexcept {
+  return std::any_of(scene.obstacles().begin(), scene.obstacles().end(), [](const Obstacle& obstacle) {
+    if (const auto* const solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape))
+      return std::any_of((*solid)->layers().begin(), (*solid)->layers().end(),
+                         [](const SolidLayer& layer) { return layer.material.roughness > 0.0; });
+    return obstacle.material.roughness > 0.0;
+  });
+}
+
+void roughen(const Scene& scene, const Tool& tool, const Kinematics& kinematics, const JointVector& encoderStep,
+             double period, int smooth, ContactSnapshot& contacts) noexcept {
+  for (int i = 0; i < contacts.count; ++i) {
+    Contact& contact = contacts.contacts[static_cast<std::size_t>(i)];
+    if (!(contact.material.roughness > 0.0) || contact.part == smooth) continue;
+    const Vec3 n = contact.normal, arm = contact.point - kinematics.pose.position;
+    const auto along = [&n](const Vec3& v) { return Vec3(v - n.dot(v) * n); };
+    double passed = period * along(contactVelocity(kinematics, contact)).norm();
+    double square = 0.0;
+    for (Eigen::Index j = 0; j < encoderStep.size(); ++j)
+      square += along(translationAt(kinematics.jacobian.col(j), arm) * encoderStep[j]).squaredNorm();
+    passed = std::max(passed, std::sqrt(square));
+    const Pose& pose = scene.obstacles()[static_cast<std::size_t>(contact.obstacle)].pose;
+    const Vec3 place = pose.rotation.transpose() * (contact.point - contact.gap * n - pose.position);
+    const double radius = tool.parts[static_cast<std::size_t>(contact.part)].radius;
+    const SurfaceHeight surface = heightAt(contact.material, place, radius, passed);
+    contact.gap -= surface.height;
+    contact.normal = (n - along(pose.rotation * surface.gradient)).normalized();
+  }
+  sortByDepth(contacts);
+}
+
+}  // namespace enamel
