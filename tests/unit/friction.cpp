@@ -215,9 +215,7 @@ TEST_CASE("a mass on a spring sticks and slips where friction falls with the spe
   Contact contact = rough(0.5, 0.2);
   contact.material.stribeck = 0.01;
   constexpr double kMass = 0.2, kSpring = 2000.0, kDamper = 5.0, kNormal = 2.0;
-  const auto slope = [&](double v) {
-    return 2.0 * 0.3 * kNormal * v / 1e-4 * std::exp(-(v / 0.01) * (v / 0.01));
-  };
+  const auto slope = [&](double v) { return 2.0 * 0.3 * kNormal * v / 1e-4 * std::exp(-(v / 0.01) * (v / 0.01)); };
   REQUIRE(slope(0.007) > 5.0 * kDamper);
   REQUIRE(slope(0.04) < 0.1 * kDamper);
   const auto spread = [&](double pull) {  // of the speed, relative, after 1 s

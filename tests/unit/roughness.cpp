@@ -7,9 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "enamel/render/drill.hpp"
-#include "enamel/render/friction.hpp"
-#include "enamel/sim/random.hpp"
+#include "enamel/sim/push.hpp"
 #include "support/bench.hpp"
 #include "support/catch.hpp"
 
@@ -194,15 +192,49 @@ Obstacle plane(const Material& material) {
 
 }  // namespace
 
-TEST_CASE("measure", "[.measure]") {
-  for (const test::BenchDevice& device : test::kBenchDevices)
-    for (const double speed : {0.01, 0.03, 0.1})
-      for (int delay = 0; delay <= 2; ++delay)
-        for (const double height : {0.0, 5e-6, 2e-5}) {
-          const Slide s = slide(device, plane(rough(height, 1e-3)), delay, speed);
-          WARN(device.file << " " << speed << " m/s, delay " << delay << ", " << height << ": follows " << s.follows
-                           << ", height " << s.height << " m, given " << s.given << " J, fault " << toString(s.fault));
-        }
+TEST_CASE("a tool slides over a rough wall without a fault, and the wall gives no energy", "[roughness]") {
+  const test::BenchDevice device = test::kBenchDevices[GENERATE(0, 1, 2)];
+  const int delay = GENERATE(0, 1, 2);
+  const Slide rough20 = slide(device, plane(rough(2e-5, 1e-3)), delay, 0.03);
+  INFO(device.file << ", delay " << delay << ": given " << rough20.given << " J");
+  CHECK(rough20.fault == GuardReason::none);
+  CHECK(rough20.given < 1e-3);  // less than the goal for a pressed smooth wall
+}
+
+TEST_CASE("position control follows a rough wall on the TAU", "[roughness]") {
+  const int delay = GENERATE(0, 1, 2);
+  const Slide felt = slide(test::kBenchDevices[0], plane(rough(5e-6, 1e-3)), delay, 0.01);
+  INFO("delay " << delay << ": correlation " << felt.follows << ", height " << felt.height << " m");
+  CHECK(felt.follows > 0.8);
+  CHECK(felt.height == Approx(5e-6).margin(4e-6));
+  CHECK(slide(test::kBenchDevices[0], plane(Material{}), delay, 0.01).height < 0.5 * felt.height);
+}
+
+TEST_CASE("a bur that spins feels no roughness", "[roughness]") {
+  ContactSnapshot contacts;
+  contacts.count = 2;
+  for (int i = 0; i < 2; ++i) {
+    Contact& contact = contacts.contacts[static_cast<std::size_t>(i)];
+    contact.material = rough(2e-5, 1e-3);
+    contact.part = i;
+    contact.point = Vec3(1e-3, 2e-3, 0.0);
+  }
+  Tool tool;
+  tool.count = 2;
+  const Scene scene = flatWall();
+  Kinematics at;
+  at.jacobian = decltype(at.jacobian)::Zero(6, 1);
+  roughen(scene, tool, at, JointVector::Zero(1), kTick, 1, contacts);
+  const bool isFirst = contacts.contacts[0].part == 0;  // the deeper one is first
+  const Contact& rest = contacts.contacts[isFirst ? 0 : 1];
+  const Contact& bur = contacts.contacts[isFirst ? 1 : 0];
+  CHECK(bur.gap == 0.0);
+  CHECK(bur.normal == Vec3::UnitZ());
+  const SurfaceHeight surface = heightAt(rest.material, Vec3(1e-3, 2e-3, 0.0), 0.0, 0.0);
+  CHECK(rest.gap == -surface.height);
+  CHECK(contacts.contacts[0].gap <= contacts.contacts[1].gap);
+  const Vec3 tilted(-surface.gradient.x(), -surface.gradient.y(), 1.0);
+  CHECK(rest.normal.isApprox(tilted.normalized(), 1e-12));
 }
 
 }  // namespace enamel::test_roughness

@@ -218,8 +218,9 @@ TEST_CASE("scene files: a suspension is read", "[scene]") {
 }
 
 TEST_CASE("scene files: a rough surface and its friction are read", "[scene]") {
-  const Material& m = sphereWith("friction = 0.4\nsliding_friction = 0.2\nstribeck_speed = 0.01\nroughness = 5e-6\n"
-                                 "wavelength = 3e-4\n")
+  const Material& m = sphereWith(
+                          "friction = 0.4\nsliding_friction = 0.2\nstribeck_speed = 0.01\nroughness = 5e-6\n"
+                          "wavelength = 3e-4\n")
                           .scene.obstacles()[0]
                           .material;
   CHECK((m.friction == 0.4 && m.slidingFriction == 0.2 && m.stribeck == 0.01));

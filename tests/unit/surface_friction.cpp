@@ -7,7 +7,7 @@
 
 #include "enamel/collision/material.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/sim/random.hpp"
+#include "enamel/sim/push.hpp"
 #include "support/catch.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -59,7 +59,7 @@ inline constexpr double kLargestExponent = 10.0;     ///< of a material
 inline constexpr double kLargestHysteresis = 100.0;  ///< of a material, s/m
 inline constexpr double kLargestStribeck = 10.0;     ///< of a material, m/s
 inline constexpr double kLongestWave = 0.01;         ///< of a material, m
-inline constexpr double kSteepestRoughness = 0.02;   ///< largest roughness over wavelength: slopes are then about 0.4
+inline constexpr double kLeastWaves = 50.0;          ///< least wavelength over roughness: slopes are then about 0.4
 
 /// Multiply the forces of a material by a factor, for a scene in another scale. Realtime: yes.
 inline void scaleForces(Material& material, double factor) noexcept {
