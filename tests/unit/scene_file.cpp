@@ -231,7 +231,7 @@ TEST_CASE("scene files: a rough surface and its friction are read", "[scene]") {
         {"roughness = 5e-6\n",
          "s.toml:8: obstacle[0].roughness: needs \"wavelength\": the longest one of the rough surface"},
         {"wavelength = 1e-4\nroughness = 5e-6\n",
-         "s.toml:9: obstacle[0].roughness: is 5e-06, must be in 0 to 2e-06 m"}})
+         "s.toml:9: obstacle[0].roughness: is 5e-06, must be at most 0.02 of \"wavelength\""}})
     CHECK_THROWS_WITH(sphereWith(keys), problem);
   Scene scene;  // the same from programs, without a file
   Obstacle ball{"ball", Sphere{0.01}, Pose{}, Vec6::Zero(), {}};

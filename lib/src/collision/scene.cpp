@@ -151,11 +151,10 @@ void checkMaterial(const Material& m, const std::string& name) {
   if (!(m.stribeck >= 0.0 && m.stribeck <= kLargestStribeck))
     throw Error(name + ": the material has a Stribeck speed of " + formatNumber(m.stribeck) + " m/s, must be in 0 to " +
                 formatNumber(kLargestStribeck) + " m/s");
-  if (!(m.wavelength >= 0.0 && m.wavelength <= kLongestWave) ||
-      !(m.roughness >= 0.0 && m.roughness <= m.wavelength / kLeastWaves))
+  if (!(m.wavelength >= 0.0 && m.wavelength <= kLongestWave) || !(m.roughness >= 0.0) || m.isTooSteep())
     throw Error(name + ": the material has a roughness of " + formatNumber(m.roughness) + " m and a wavelength of " +
                 formatNumber(m.wavelength) + " m; the wavelength must be in 0 to " + formatNumber(kLongestWave) +
-                " m, and the roughness in 0 to " + formatNumber(1.0 / kLeastWaves) + " of it");
+                " m, and the roughness in 0 to " + formatNumber(kSteepestRoughness) + " of it");
   const bool isRigid = std::isinf(m.stiffness);
   if (isRigid && (m.isLayer() || !std::isinf(m.puncture)))
     throw Error(name + ": an exponent, a thickness, a hysteresis or a puncture force needs a finite stiffness");

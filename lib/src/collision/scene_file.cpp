@@ -165,7 +165,10 @@ void readMaterial(TomlTable& table, Material& material) {
   read("wavelength", kShortestWave, kLongestWave, " m", material.wavelength);
   if (table.has("roughness") && !table.has("wavelength"))
     table.fail("roughness", "needs \"wavelength\": the longest one of the rough surface");
-  read("roughness", 0.0, material.wavelength / kLeastWaves, " m", material.roughness);
+  read("roughness", 0.0, kLongestWave, " m", material.roughness);
+  if (material.isTooSteep())
+    table.fail("roughness", "is " + formatNumber(material.roughness) + ", must be at most " +
+                                formatNumber(kSteepestRoughness) + " of \"wavelength\"");
   read("exponent", 1.0, kLargestExponent, "", material.exponent);
   read("layer_thickness", kLeastLayer, kMostLayer, " m", material.thickness);
   read("hysteresis", 0.0, kLargestHysteresis, " s/m", material.hysteresis);

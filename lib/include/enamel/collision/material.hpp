@@ -46,6 +46,9 @@ struct Material {
   /// Return whether the force is more than stiffness times compression. Realtime: yes.
   bool isLayer() const noexcept { return exponent != 1.0 || !std::isinf(thickness) || hysteresis != 0.0; }
 
+  /// Return whether the surface is too rough for its longest wavelength. Realtime: yes.
+  bool isTooSteep() const noexcept;
+
   /// Return the ratio of tangential to normal force while sliding at a speed, m/s, without viscosity. Realtime: yes.
   double slidingRatio(double speed) const noexcept {
     if (!(stribeck > 0.0)) return slidingFriction;
@@ -59,7 +62,12 @@ inline constexpr double kLargestExponent = 10.0;     ///< of a material
 inline constexpr double kLargestHysteresis = 100.0;  ///< of a material, s/m
 inline constexpr double kLargestStribeck = 10.0;     ///< of a material, m/s
 inline constexpr double kLongestWave = 0.01;         ///< of a material, m
-inline constexpr double kLeastWaves = 50.0;          ///< least wavelength over roughness: slopes are then about 0.4
+inline constexpr double kSteepestRoughness = 0.02;   ///< roughness over wavelength: slopes are then about 0.4
+
+inline bool Material::isTooSteep() const noexcept {
+  constexpr double kRounding = 1e-9;  // of numbers with a few digits
+  return roughness > kSteepestRoughness * (1.0 + kRounding) * wavelength;
+}
 
 /// Multiply the forces of a material by a factor, for a scene in another scale. Realtime: yes.
 inline void scaleForces(Material& material, double factor) noexcept {
