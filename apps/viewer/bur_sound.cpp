@@ -6,7 +6,6 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr double kMostPower = 20.0;                                        // W, largest power of the turbine
 constexpr double kRotor = 0.08, kGrain = 0.02;                             // s, time constants of speed and noise
 constexpr double kFullTurns = 1000.0;                                      // per second; full volume from this speed on
 constexpr double kHalfRemoval = 1e-8;                                      // m^3/s
@@ -19,18 +18,13 @@ constexpr Partial kPartials[] = {{1, 0.5}, {2, 0.3}, {3, 0.1}, {8, 0.15}, {16, 0
 
 }  // namespace
 
-double turnsUnder(const BurLoad& load) noexcept {
-  const double share = std::clamp(load.hardness * load.removal / kMostPower, 0.0, 1.0);
-  return 0.5 * load.turns * (1.0 + std::sqrt(1.0 - share));
-}
-
 void BurSound::next(const BurLoad& load, std::int16_t* samples, int count) noexcept {
   constexpr double step = 1.0 / kRate, pi = 3.14159265358979323846;
-  const double turns = turnsUnder(load), rotor = step / kRotor, grain = step / kGrain;
+  const double rotor = step / kRotor, grain = step / kGrain;
   const double corner = std::clamp(kBrightness * std::sqrt(1e-9 * load.hardness), kDullest, kBrightest);
   const double brightness = 1.0 - std::exp(-2.0 * pi * corner * step);
   for (int i = 0; i < count; ++i) {
-    turns_ += rotor * (turns - turns_);
+    turns_ += rotor * (load.turns - turns_);
     removal_ += grain * (std::max(0.0, load.removal) - removal_);
     brightness_ += grain * (brightness - brightness_);
     phase_ = std::fmod(phase_ + 2.0 * pi * turns_ * step, 2.0 * pi);

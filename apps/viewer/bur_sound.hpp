@@ -1,4 +1,4 @@
-// The sound of a bur: a turbine that slows down under load, and the noise of cutting.
+// The sound of a bur: its rotation, and the noise of cutting.
 #pragma once
 
 #include <cstdint>
@@ -7,16 +7,10 @@ namespace enamel::viewer {
 
 /// State of a bur that determines its sound.
 struct BurLoad {
-  double turns = 0.0;     ///< per second without load; 0: at rest
+  double turns = 0.0;     ///< per second; 0: at rest
   double removal = 0.0;   ///< rate of removed volume, m^3/s
   double hardness = 0.0;  ///< of the removed material, Pa
 };
-
-/// Return the revolutions per second under a load, whose power is hardness times removal (W). The torque of a turbine
-/// falls linearly with its speed (Dyson and Darvell, "Torque, power and efficiency characterization of dental air
-/// turbine handpieces", 1999). Its largest power is 20 W, at half of its free speed. The simulated bur itself does not
-/// slow down.
-double turnsUnder(const BurLoad& load) noexcept;
 
 /// Generates samples of mono sound: harmonics of the rotation and of the blades, and noise. The noise is louder for
 /// larger removal and brighter for harder material. Both follow a change of load within some tens of ms, so that blocks

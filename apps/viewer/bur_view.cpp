@@ -73,8 +73,8 @@ const char* BurView::update(const Frame& frame, const SceneFile& scene, const st
   if (isHeard && !sound_) sound_.emplace();
   if (!sound_ || (passed == 0.0 && !frame.paused)) return nullptr;  // keep the sound in slow motion
   const auto* const layers = layersOf(solids);
-  const bool turns = isHeard && drilled.spins && !frame.paused && layers != nullptr;
-  sound_->set(turns ? loadOf(cut, passed, scene.bur->turns, *layers) : BurLoad());
+  const bool turns = isHeard && drilled.turns > 0.0 && !frame.paused && layers != nullptr;
+  sound_->set(turns ? loadOf(cut, passed, drilled.turns, *layers) : BurLoad());
   return sound_->trouble();
 }
 

@@ -13,6 +13,7 @@ namespace enamel::viewer {
 /// State of the drilling. Plain data.
 struct DrillState {
   bool spins = false;
+  double turns = 0.0;       ///< per second
   double feed = 0.0;        ///< m/s
   RemovedVolume removed{};  ///< by layer, m^3; undone strokes do not count
   int strokes = 0;          ///< number of strokes that undo() can restore

@@ -107,7 +107,9 @@ void Experiment::restore() noexcept {
 }
 
 void Experiment::fillDrillState() noexcept {
-  if (drill_) frame_.drilled = {drill_->spins(), drill_->feed(), drilledSolids_->removed(), drilledSolids_->strokes()};
+  if (drill_)
+    frame_.drilled = {drill_->spins(), drill_->turns(), drill_->feed(), drilledSolids_->removed(),
+                      drilledSolids_->strokes()};
 }
 
 void Experiment::select(RendererSlot slot) noexcept {

@@ -46,6 +46,7 @@ void LiveDevice::look(const TickFrame& tick) noexcept {
   frame_.movable = movablePoses(session_->haptics().scene().scene());
   if (const Drill* const drill = session_->haptics().drill(); drill != nullptr) {
     frame_.drilled.spins = drill->spins();
+    frame_.drilled.turns = drill->turns();
     frame_.drilled.feed = drill->feed();
     for (std::size_t i = 0; tick.age == 0 && i < drill->removed().size(); ++i)
       frame_.drilled.removed[i] += drill->removed()[i];

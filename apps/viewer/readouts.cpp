@@ -93,7 +93,9 @@ void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& bru
   brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(drilled.spins ? kInk : kMuted));
   brush.text(gFonts.bold, x + 16 * s, y, kInk, "Bur");
   brush.textRight(gFonts.text, right, y, kMuted,
-                  drilled.spins ? format("%.0f 1/min", 60.0 * input.bur->bur.turns) : "at rest");
+                  drilled.turns > 0.0 ? format("%.0f 1/min", 60.0 * drilled.turns)
+                  : drilled.spins     ? "stalled"
+                                      : "at rest");
   const auto line = [&](const char* name, const std::string& value) {
     y += kDrillRow * s;
     brush.text(gFonts.text, x + 16 * s, y, kMuted, name);

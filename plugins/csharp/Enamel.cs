@@ -169,6 +169,11 @@ namespace Enamel
         public int part;
         public double wear;
         public double turns;
+        public double torque;
+        public double inertia;
+        public double drag;
+        public double run_out;
+        public int blades;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -303,6 +308,8 @@ namespace Enamel
         public ulong dropped_events;
         public ulong lost_cuts;
         public ulong unsent;
+        public double bur_turns;
+        public double bur_torque;
         public double since_tick;
         public int mode;
         public int status;

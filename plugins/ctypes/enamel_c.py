@@ -307,6 +307,11 @@ class EnamelBur(Structure):
         ("part", c_int32),
         ("wear", c_double),
         ("turns", c_double),
+        ("torque", c_double),
+        ("inertia", c_double),
+        ("drag", c_double),
+        ("run_out", c_double),
+        ("blades", c_int32),
     ]
 
 
@@ -432,6 +437,8 @@ class EnamelSnapshot(Structure):
         ("dropped_events", c_uint64),
         ("lost_cuts", c_uint64),
         ("unsent", c_uint64),
+        ("bur_turns", c_double),
+        ("bur_torque", c_double),
         ("since_tick", c_double),
         ("mode", c_int32),
         ("status", c_int32),
@@ -574,9 +581,11 @@ def material(stiffness=float("inf"), friction=0.0, sliding_friction=None, viscos
                           exponent, thickness, hysteresis, puncture, stribeck, roughness, wavelength)
 
 
-def bur(part=0, wear=0.05, turns=2000.0):
-    """Return a bur: part of the tool, Archard's coefficient, turns per second."""
-    return EnamelBur(ctypes.sizeof(EnamelBur), part, wear, turns)
+def bur(part=0, wear=0.05, turns=2000.0, torque=0.0, inertia=0.0, drag=0.3, run_out=0.0, blades=0):
+    """Return a bur: part of the tool, Archard's coefficient, turns per second without a load. Of its motor also the
+    torque at rest (N m; 0: the speed is constant), the inertia of the rotor (kg m^2; 0: 1e-8), and tangential over
+    normal cutting force. Of its vibration the run-out (m) and the number of blades."""
+    return EnamelBur(ctypes.sizeof(EnamelBur), part, wear, turns, torque, inertia, drag, run_out, blades)
 
 
 def tool(*parts):

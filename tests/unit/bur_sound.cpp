@@ -1,4 +1,4 @@
-// The sound of a bur: the tone of its rotation, lower under load, the noise of cutting, and no clicks.
+// The sound of a bur: the tone of its rotation, the noise of cutting, and no clicks.
 #include "bur_sound.hpp"
 
 #include <algorithm>
@@ -58,19 +58,13 @@ int loudest(const std::vector<double>& samples, int low, int high) {
 
 }  // namespace
 
-TEST_CASE("the tone is the bur's rotation, and falls as a turbine's under load", "[sound]") {
-  CHECK(turnsUnder(kRest) == 0.0);
-  CHECK(turnsUnder(kFree) == 2000.0);
-  CHECK(turnsUnder({2000.0, 1e-8, 2e9}) == Approx(1000.0));  // 20 W, the largest power: half of its free speed
-  CHECK(turnsUnder({2000.0, 1e-6, 2e9}) == Approx(1000.0));
-  CHECK(turnsUnder(kEnamel) < turnsUnder(kDentine));  // 6.8 W, 6 W
-  for (const BurLoad& load : {kFree, kEnamel, kDentine}) {
-    CAPTURE(load.removal);
-    // The power of the cut follows from the speed n and its torque (1 - n / free) times 4 * 20 W / free.
-    const double n = turnsUnder(load) / load.turns;
-    CHECK(80.0 * n * (1.0 - n) == Approx(load.removal * load.hardness).margin(1e-9));
-    CHECK(loudest(settled(load), 1500, 2100) == Approx(turnsUnder(load)).margin(1.0));
-  }
+TEST_CASE("the tone is the bur's rotation", "[sound]") {
+  for (const double turns : {2000.0, 1600.0})
+    for (BurLoad load : {kFree, kEnamel, kDentine}) {
+      CAPTURE(turns, load.removal);
+      load.turns = turns;
+      CHECK(loudest(settled(load), 1500, 2100) == Approx(turns).margin(1.0));
+    }
 }
 
 TEST_CASE("more noise where more is cut, brighter where it is harder, none where nothing is", "[sound]") {
@@ -82,8 +76,8 @@ TEST_CASE("more noise where more is cut, brighter where it is harder, none where
     before = now;
   }
   CHECK(before < 0.3 * 32767.0);
-  const auto brightness = [](double hardness) {  // at the same power, so that the tone is the same
-    const auto samples = settled({2000.0, 2.0 / hardness, hardness});
+  const auto brightness = [](double hardness) {
+    const auto samples = settled({2000.0, 2.0 / hardness, hardness});  // the same power
     return largestStep(samples) / rms(samples);
   };
   CHECK(brightness(3.4e9) > brightness(0.1e9));

@@ -383,7 +383,7 @@ TEST_CASE("a solid is cut, and its changed bricks come as triangles", "[c]") {
   tool.size = sizeof tool;
   tool.count = 1;
   tool.parts[0].radius = 1e-3;
-  EnamelBur bur{sizeof(EnamelBur), 0, 0.5, 2000.0};
+  EnamelBur bur{sizeof(EnamelBur), 0, 0.5, 2000.0, 1e-3, 0.0, 0.3, 5e-6, 6};
   def.start = &start;
   def.tool = &tool;
   def.bur = &bur;
@@ -393,7 +393,8 @@ TEST_CASE("a solid is cut, and its changed bricks come as triangles", "[c]") {
   const TriangleMesh box = test::boxMesh(Vec3::Constant(4e-3));
   for (const Vec3& v : box.vertices) vertices.insert(vertices.end(), v.data(), v.data() + 3);
   for (const auto& t : box.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
-  const EnamelLayer layer{{std::numeric_limits<double>::infinity(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 0.2e9, 0.0};
+  const EnamelLayer layer{
+      {std::numeric_limits<double>::infinity(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 0.2e9, 0.0};
   EnamelObstacleDef cube = obstacle("cube", ENAMEL_SOLID, 0.0);
   cube.vertices = vertices.data();
   cube.vertex_count = box.vertices.size();

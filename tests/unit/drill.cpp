@@ -2,6 +2,7 @@
 #include "enamel/render/drill.hpp"
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numeric>
 
@@ -10,8 +11,10 @@
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/sim/hand.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 #include "support/catch.hpp"
+#include "support/contacts.hpp"
 #include "support/devices.hpp"
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
@@ -244,6 +247,205 @@ TEST_CASE("drill: what does not spin does not cut; what is refused", "[drill]") 
   CHECK_THROWS_WITH(Drill(large, {solid}, kBur), test::ContainsSubstring("a radius of 6 mm, must be at most 5 mm"));
   CHECK_THROWS_WITH(Drill(tool, {solid}, {0, 0.0, 1.0}), test::ContainsSubstring("wear"));
   CHECK_THROWS_WITH(Drill(tool, {solid}, {0, 0.1, 1e5}), test::ContainsSubstring("10000"));
+}
+
+// A bur on a flat tooth under a constant force, without a device.
+namespace {
+
+struct Spun {
+  std::shared_ptr<Solid> solid = tooth(1.9e-3);  // enamel
+  Scene scene;
+  Drill drill;
+  Pose pose;
+  double volume = 0.0;
+
+  explicit Spun(const Bur& bur) : drill(ball(), {solid}, bur) {
+    Pose at;
+    at.position.z() = -2e-3;
+    scene.add({"tooth", std::shared_ptr<const Solid>(solid), at, Vec6::Zero(), {}});
+    pose.position.z() = kRadius;
+    drill.spin(true);
+  }
+
+  // Press with a force for some seconds. The bur follows the surface that it cuts.
+  void press(double force, double seconds) {
+    for (double t = 0.0; t < seconds - 1e-9; t += 1e-3) {
+      ContactSnapshot contacts;
+      if (force > 0.0) {
+        contacts = test::contactsOf(scene, ball(), pose, 1e-3);
+        pose.position.z() -= std::max(0.0, contacts.contacts[0].gap) + 1e-6;
+        contacts = test::contactsOf(scene, ball(), pose, 1e-3);
+      }
+      drill.correct(contacts);
+      drill.cut(scene, pose, force * Vec3::UnitZ(), 1e-3, contacts);
+      volume += drill.removed()[0];
+    }
+  }
+};
+
+constexpr double kWear = 0.02;  // slow, so that the bur fits its hole
+
+// A turbine whose speed settles in 10 ms.
+Bur turbine() {
+  Bur bur{0, kWear, 2000.0};
+  bur.torque = 1e-3;
+  bur.drag = 0.4;
+  bur.inertia = bur.torque * 0.01 / (2.0 * M_PI * bur.turns);
+  return bur;
+}
+
+}  // namespace
+
+TEST_CASE("drill: the speed falls linearly with the load, down to a stall", "[drill]") {
+  const Bur bur = turbine();
+  for (const double share : {0.0, 0.25, 0.5, 0.9}) {  // of the load that stalls it
+    Spun spun(bur);
+    spun.press(0.0, 0.2);
+    CHECK(spun.drill.turns() == Approx(bur.turns));
+    spun.press(share * bur.torque / (bur.drag * kRadius), 1.0);
+    CHECK(spun.drill.load() == Approx(share * bur.torque).margin(1e-12));
+    CHECK(spun.drill.turns() == Approx((1.0 - share) * bur.turns).epsilon(1e-6));
+  }
+  Spun stalled(bur);
+  stalled.press(0.0, 0.2);
+  stalled.press(1.5 * bur.torque / (bur.drag * kRadius), 1.0);
+  CHECK(stalled.drill.turns() == 0.0);
+  const double cut = stalled.volume;
+  stalled.press(1.5 * bur.torque / (bur.drag * kRadius), 0.5);
+  CHECK(stalled.volume == cut);
+  stalled.press(0.5 * bur.torque / (bur.drag * kRadius), 1.0);  // it starts again under less force
+  CHECK(stalled.drill.turns() == Approx(0.5 * bur.turns).epsilon(1e-6));
+  CHECK(stalled.volume > cut);
+}
+
+TEST_CASE("drill: the speed approaches its equilibrium with the time constant of the rotor", "[drill]") {
+  const Bur bur = turbine();
+  Spun spun(bur);
+  spun.press(0.0, 0.01);
+  CHECK(spun.drill.turns() == Approx((1.0 - std::exp(-1.0)) * bur.turns).epsilon(1e-9));
+  spun.drill.spin(false);
+  const double before = spun.drill.turns();
+  spun.press(0.0, 0.01);
+  CHECK(spun.drill.turns() == Approx(std::exp(-1.0) * before).epsilon(1e-9));
+}
+
+TEST_CASE("drill: the rate is that of the present speed, and a strong motor is a constant speed", "[drill]") {
+  const double force = 0.5 * turbine().torque / (turbine().drag * kRadius);
+  const auto rate = [&](const Bur& bur) {
+    Spun spun(bur);
+    spun.press(0.0, 0.2);
+    spun.press(force, 0.5);
+    const double before = spun.volume;
+    spun.press(force, 0.5);
+    return 2.0 * (spun.volume - before);
+  };
+  Bur constant{0, kWear, 2000.0}, strong = turbine();
+  strong.torque = 1e12;
+  const double full = rate(constant);
+  CHECK(full == Approx(kWear * force * 2.0 * M_PI * kRadius * 2000.0 / kEnamel).epsilon(0.05));
+  CHECK(rate(turbine()) == Approx(0.5 * full).epsilon(0.05));
+  CHECK(rate(strong) == Approx(full).epsilon(1e-6));
+}
+
+TEST_CASE("drill: the head vibrates by its run-out and by the feed of a blade", "[drill]") {
+  Bur bur{0, 0.1, 50.0};  // a slow handpiece
+  bur.runOut = 1e-5;
+  Spun spun(bur);
+  constexpr int kTicks = 1000;
+  double sum = 0.0, squares = 0.0, along = 0.0, work = 0.0, last = 0.0;
+  for (int i = 0; i < kTicks; ++i) {
+    spun.press(0.0, 1e-3);
+    ContactSnapshot contacts;
+    contacts.count = 1;
+    contacts.contacts[0].part = 0;
+    contacts.contacts[0].normal = Vec3::UnitX();
+    spun.drill.vibrate(spun.pose, 1e-3, contacts);
+    const Contact& c = contacts.contacts[0];
+    sum += c.gap;
+    squares += c.gap * c.gap;
+    // The gap shrinks by the outward velocity of the surface, to the second order.
+    if (i > 0) along = std::max(along, std::abs(c.gap + 1e-3 * c.obstacleVelocity.x() - last));
+    work += c.gap * c.obstacleVelocity.x();
+    last = c.gap;
+  }
+  CHECK(std::abs(sum) / kTicks < 1e-9);
+  CHECK(std::sqrt(squares / kTicks) == Approx(bur.runOut / std::sqrt(2.0)).epsilon(1e-6));
+  const double rate = 2.0 * M_PI * bur.turns;
+  CHECK(along < 0.5 * bur.runOut * rate * rate * 1e-6 * 1.01 + 1e-12);
+  CHECK(std::abs(work) / kTicks < 1e-9 * bur.runOut * rate);
+
+  const auto amplitude = [](double turns, double period) {
+    Bur fast{0, 0.1, turns};
+    fast.runOut = 1e-5;
+    Spun turning(fast);
+    ContactSnapshot contacts;
+    contacts.count = 1;
+    contacts.contacts[0].part = 0;
+    contacts.contacts[0].normal = Vec3::UnitX();
+    turning.drill.vibrate(turning.pose, period, contacts);
+    return std::hypot(contacts.contacts[0].gap, contacts.contacts[0].obstacleVelocity.x() / (2.0 * M_PI * turns));
+  };
+  CHECK(amplitude(125.0, 1e-3) == Approx(1e-5));       // 8 ticks a turn
+  CHECK(amplitude(1.0 / 6e-3, 1e-3) == Approx(5e-6));  // 6
+  CHECK(amplitude(250.0, 1e-3) == 0.0);                // 4
+  CHECK(amplitude(250.0, 2.5e-4) == Approx(1e-5));     // at 4 kHz
+
+  Bur bladed{0, 2.0, 10.0};  // only the blades vibrate, while it cuts
+  bladed.blades = 8;
+  Spun cutting(bladed);
+  ContactSnapshot contacts;
+  contacts.count = 1;
+  contacts.contacts[0].part = 0;
+  cutting.drill.vibrate(cutting.pose, 1e-3, contacts);
+  CHECK(contacts.contacts[0].gap == 0.0);
+  cutting.press(20.0, 1.0);
+  REQUIRE(cutting.drill.feed() > 0.0);
+  double most = 0.0, feed = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    cutting.press(20.0, 1e-3);
+    feed = std::max(feed, cutting.drill.feed());
+    contacts.contacts[0].gap = 0.0;
+    cutting.drill.vibrate(cutting.pose, 1e-3, contacts);
+    most = std::max(most, std::abs(contacts.contacts[0].gap));
+  }
+  CHECK(most == Approx(0.5 * feed / 80.0).epsilon(0.1));
+}
+
+TEST_CASE("drill: a vibrating bur that slows down cuts without a fault on every device", "[drill]") {
+  Bur bur{0, 0.5, 100.0};
+  bur.torque = 2e-3;
+  bur.runOut = 1e-5;
+  bur.blades = 1;
+  for (const char* file : {"tau-nominal.toml", "delta.toml", "cartesian-3.toml"}) {
+    const auto device = makeMechanism(modelFor(kClosedForm, loadDevice(test::deviceFile(file))));
+    for (const int delay : {0, 1, 2}) {
+      INFO(file << ", delay " << delay);
+      PositionControlRenderer servo(positionControlFor(*device, 1e-3, delay, delay));
+      const Cut cut = press(servo, *device, delay, 0.0, bur);  // requires that the guard has no fault
+      CHECK(cut.force == Approx(2.0).epsilon(0.05));
+      CHECK(cut.volume == Approx((1.0 - 2.0 * bur.drag * kRadius / bur.torque) * cut.expected).epsilon(0.1));
+    }
+  }
+}
+
+TEST_CASE("drill: wrong numbers of a motor are refused", "[drill]") {
+  const auto refusal = [](const std::function<void(Bur&)>& change) {
+    Bur bur;
+    change(bur);
+    try {
+      const Drill drill(ball(), {tooth()}, bur);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  CHECK(refusal([](Bur&) {}) == "accepted");
+  CHECK(refusal([](Bur& b) { b.torque = 0.0; }) == "the torque of the bur is 0 N m, must be above 0");
+  CHECK_THAT(refusal([](Bur& b) { b.inertia = std::nan(""); }),
+             test::ContainsSubstring("the inertia of the bur is nan"));
+  CHECK_THAT(refusal([](Bur& b) { b.drag = -1.0; }), test::ContainsSubstring("must be in 0 to 10"));
+  CHECK_THAT(refusal([](Bur& b) { b.runOut = 1e-3; }), test::ContainsSubstring("must be in 0 to 1e-4"));
+  CHECK_THAT(refusal([](Bur& b) { b.blades = -1; }), test::ContainsSubstring("the number of blades of the bur is -1"));
 }
 
 }  // namespace enamel::test_drill

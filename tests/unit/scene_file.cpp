@@ -165,6 +165,7 @@ TEST_CASE("scene files: solids and burs", "[scene]") {
   CHECK(file.bur->part == 0);
   CHECK(file.bur->wear == 0.2);
   CHECK(file.bur->turns == 500.0);
+  CHECK((std::isinf(file.bur->torque) && file.bur->runOut == 0.0 && file.bur->blades == 0));
   REQUIRE(file.solids.size() == 1);
   const Solid& solid = *file.solids[0];
   CHECK(solid.cell() == 0.0005);
@@ -188,6 +189,12 @@ TEST_CASE("scene files: solids and burs", "[scene]") {
   refuses("hardness = 1e8", "hardness = 1e8\ndepth = 0.001", "both define where the layer begins");
   refuses("turns = 500.0", "turns = 2e4", "turns: is 20000, must be in 0 to 10000");
   refuses("wear = 0.2", "part = 1", "part: is 1, must be in 0 to 0");
+  refuses("wear = 0.2", "torque = 0.0", "torque: is 0, must be in 1e-06 to 10");
+  refuses("wear = 0.2", "run_out = 0.1", "run_out: is 0.1, must be in 0 to 1e-04");
+  refuses("wear = 0.2", "blades = 2.5", "blades: is 2.5, must be a whole number");
+  const Bur motor = *read("wear = 0.2", "torque = 1e-3\ninertia = 2e-8\ndrag = 0.4\nrun_out = 5e-6\nblades = 6").bur;
+  CHECK((motor.torque == 1e-3 && motor.inertia == 2e-8 && motor.drag == 0.4));
+  CHECK((motor.runOut == 5e-6 && motor.blades == 6));
   refuses("radius = 0.001", "radius = 0.0", "whose radius must be greater than 0 mm");
   refuses("wear = 0.2", "speed = 1", "is not a known key");
 }

@@ -57,7 +57,13 @@ Tool toolOf(const EnamelTool& given) {
 
 Bur burOf(const EnamelBur& given) {
   const EnamelBur& in = known(given, "EnamelBur");
-  return {in.part, in.wear, in.turns};
+  Bur bur{in.part, in.wear, in.turns};
+  if (in.torque != 0.0) bur.torque = in.torque;
+  if (in.inertia != 0.0) bur.inertia = in.inertia;
+  bur.drag = in.drag;
+  bur.runOut = in.run_out;
+  bur.blades = in.blades;
+  return bur;
 }
 
 SessionObstacle obstacleOf(const EnamelObstacleDef& given) {
@@ -125,6 +131,8 @@ void toPlain(const Snapshot& in, EnamelSnapshot& out) noexcept {
   out.enabled = in.enabled ? 1 : 0;
   out.clutched = in.clutched ? 1 : 0;
   out.spins = in.spins ? 1 : 0;
+  out.bur_turns = in.burTurns;
+  out.bur_torque = in.burTorque;
   out.buttons = tick.measurement.buttons;
   out.conditions = tick.measurement.conditions;
   out.contact_count = storedContacts(in.contacts.count);

@@ -322,6 +322,14 @@ std::optional<Bur> readBur(TomlTable& root, const Tool& tool) {
   if (bur.part != part) table.fail("part", "is " + formatNumber(part) + ", must be a whole number");
   read("wear", 1e-9, 1e3, bur.wear);
   read("turns", 0.0, 1e4, bur.turns);
+  read("torque", 1e-6, 10.0, bur.torque);
+  read("inertia", 1e-12, 1e-3, bur.inertia);
+  read("drag", 0.0, 10.0, bur.drag);
+  read("run_out", 0.0, 1e-4, bur.runOut);
+  double blades = 0.0;
+  read("blades", 0.0, 100.0, blades);
+  bur.blades = static_cast<int>(blades);
+  if (bur.blades != blades) table.fail("blades", "is " + formatNumber(blades) + ", must be a whole number");
   const double radius = tool.parts[static_cast<std::size_t>(bur.part)].radius;
   if (!(radius > 0.0))
     root.fail("bur", "is part " + std::to_string(bur.part) + " of the tool, whose radius must be greater than 0 mm");

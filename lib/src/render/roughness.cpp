@@ -13,7 +13,6 @@ namespace {
 constexpr int kWaves = 24;
 constexpr double kHurst = 0.8;  // exponent of a self-affine surface
 constexpr double kDecade = 10.0;
-constexpr double kLeastSamples = 4.0, kEnoughSamples = 8.0;  // of a wave, per wavelength
 
 using Numbers = Eigen::Array<double, kWaves, 1>;
 
@@ -49,7 +48,7 @@ SurfaceHeight heightAt(const Material& material, const Vec3& place, double radiu
   const Numbers length = material.wavelength * kUnit.length, wave = 2.0 * M_PI / length;
   Numbers amplitude = (material.roughness * kUnit.amplitude).min(length.square() / (16.0 * std::max(radius, 1e-9)));
   const double step = std::max(passed, 1e-12);
-  amplitude *= ((length / step - kLeastSamples) / (kEnoughSamples - kLeastSamples)).max(0.0).min(1.0);
+  amplitude *= (length / step).unaryExpr(&sampledShare);
   const Numbers angle = wave * (kUnit.direction.matrix() * place).array() + kUnit.phase;
   Numbers sine, cosine;
   sinCos<kWaves>(angle, sine, cosine);

@@ -115,7 +115,10 @@ Status HapticTick::findContacts(double time, double elapsed) noexcept {
   }
   if (const double scale = mechanism_.scale(); scale != 1.0)  // materials are stated for forces at the hand
     for (int i = 0; i < frame_.contacts.count; ++i) scaleForces(frame_.contacts.contacts[i].material, 1.0 / scale);
-  if (drill_ != nullptr) drill_->correct(frame_.contacts);
+  if (drill_ != nullptr) {
+    drill_->vibrate(frame_.kinematics.pose, guard_.options().period, frame_.contacts);
+    drill_->correct(frame_.contacts);
+  }
   scene_.motion().yieldAt(frame_.contacts, guard_.options().period, mechanism_.scale(), frame_.yield);
   sampleTime_ = time;
   return Status::ok;

@@ -273,6 +273,8 @@ void Session::Impl::publish(const LoopTick& tick, const TickFrame& frame) noexce
   now.enabled = tick.measurement.enabled;
   now.clutched = clutched;
   now.spins = spins;
+  now.burTurns = world->drill ? world->drill->turns() : 0.0;
+  now.burTorque = world->drill ? world->drill->load() : 0.0;
   now.removed = removed;
   now.missed = missed;
   now.held = held;

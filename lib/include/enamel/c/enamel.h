@@ -109,7 +109,12 @@ typedef struct EnamelBur {
   uint32_t size;
   int32_t part; /* of the tool */
   double wear;  /* Archard's coefficient */
-  double turns; /* per second */
+  double turns; /* per second, without a load */
+  double torque;  /* of the motor at rest, N m: it falls linearly to 0 at `turns`; 0: the speed is constant */
+  double inertia; /* of rotor and bur, kg m^2; 0: 1e-8 */
+  double drag;    /* tangential over normal cutting force */
+  double run_out; /* of the head, m */
+  int32_t blades; /* 0: grit */
 } EnamelBur;
 
 /* State of a device as an own mechanism computes it. See EnamelTickInput for jacobian and inverse. */
@@ -238,6 +243,8 @@ typedef struct EnamelSnapshot {
   double removed[ENAMEL_MAX_LAYERS]; /* material removed since the start, m^3 by layer */
   uint64_t missed, held, dropped_events, lost_cuts;
   uint64_t unsent;   /* commands that the device of enamel_start_device() refused */
+  double bur_turns;  /* speed of the bur, turns per second */
+  double bur_torque; /* of the cut on its motor, N m */
   double since_tick; /* s since the last tick began: grows if the loop hangs; 0: no loop runs */
   int32_t mode;      /* EnamelMode */
   int32_t status;    /* EnamelResult of the tick, or ENAMEL_STOPPED */

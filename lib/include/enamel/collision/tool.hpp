@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include "enamel/core/status.hpp"
 #include "enamel/core/types.hpp"
@@ -26,7 +27,13 @@ struct Tool {
 struct Bur {
   int part = 0;         ///< number of the tool's part
   double wear = 0.05;   ///< Archard's coefficient; finer grit has smaller values
-  double turns = 2000;  ///< turns per second while it spins
+  double turns = 2000;  ///< turns per second while it spins without a load
+  /// Torque of the motor at rest, N m. It falls linearly to 0 at `turns`. Infinite: the speed does not change.
+  double torque = std::numeric_limits<double>::infinity();
+  double inertia = 1e-8;  ///< of rotor and bur, kg m^2
+  double drag = 0.3;      ///< tangential over normal cutting force: the load of the motor
+  double runOut = 0.0;    ///< distance of the head's axis from the axis of rotation, m
+  int blades = 0;         ///< 0: grit
 };
 
 /// Largest distance of an end from the TCP along an axis, and largest radius, m. Larger values are probably

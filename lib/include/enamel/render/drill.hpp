@@ -23,6 +23,12 @@ struct SolidCut {
 /// Source: Archard, "Contact and rubbing of flat surfaces", 1953. Per area this is Preston's law ("The theory and
 /// design of plate glass polishing machines", 1927) with K / H as his coefficient.
 ///
+/// The motor slows down under the torque of the cut, T = drag F r. Its own torque falls linearly from that at rest,
+/// T_s, to zero at its free speed (Dyson and Darvell, "Torque, power and efficiency characterization of dental air
+/// turbine handpieces", 1999). Above T = T_s it stalls, and cuts nothing:
+///
+///   2 pi J n' = T_s (1 - n / n_free) - T
+///
 /// The surface recedes against the force. Per tick it recedes by the volume over the area of the whole bur. If the bur
 /// touches with less than its whole area, it cuts less, and the rest follows at the next tick. If the tool penetrates
 /// the surface, the model puts the bur back on the surface. The drill therefore removes only material swept by a bur
@@ -34,9 +40,13 @@ class Drill {
   /// is not positive and finite, or the turns are outside 0 to 10 000 per second. Realtime: no.
   Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur = {});
 
-  /// Start or stop the bur. It does not spin at first. Realtime: yes.
-  void spin(bool on) noexcept { isOn_ = on; }
+  /// Switch the motor of the bur on or off. It is off at first. Realtime: yes.
+  void spin(bool on) noexcept;
   bool spins() const noexcept { return isOn_; }
+
+  /// Return the present speed, turns per second, and the torque of the last cut on the motor, N m. Realtime: yes.
+  double turns() const noexcept { return speed_ * free_; }
+  double load() const noexcept { return load_; }
   /// Return the number of the part that cuts. Realtime: yes.
   int part() const noexcept { return number_; }
 
@@ -44,6 +54,11 @@ class Drill {
   /// velocity at which the surface recedes. Limit the stiffness of contacts more than 26 deg off the force to 20 N/mm.
   /// Realtime: yes.
   void correct(ContactSnapshot& contacts) noexcept;
+
+  /// Move the contacts as the head of the bur vibrates; cut() then cuts with the moved head. Its run-out turns with the
+  /// bur. The feed of a blade has the frequency of the blades, against the force. A vibration with fewer than 8 ticks
+  /// of `period` s a wave is reduced, with 4 it is left out. Call it before correct(). Realtime: yes.
+  void vibrate(const Pose& pose, double period, ContactSnapshot& contacts) noexcept;
 
   /// Cut material; the last stage of a tick. `force` is the force of the wall on the tool, W, N; a mean over about 20
   /// ticks counts. `contacts` are those passed to correct(). `elapsed` is the time since the last cut, s. Realtime:
@@ -66,11 +81,20 @@ class Drill {
   double feed() const noexcept { return feed_; }
 
  private:
+  void turn(double elapsed) noexcept;
+
   ToolPart part_;
   int number_;
-  double removal_;  // K v, m^3 s^-1 Pa / N
-  double area_;     // of the bur, m^2
+  double removal_;                 // K v at the free speed, m^3 s^-1 Pa / N
+  double area_;                    // of the bur, m^2
+  double free_, torque_, follow_;  // 1/s; of the motor at rest, N m; its rate of change per load, 1/s
+  double drag_, runOut_;           // m
+  int blades_;
   bool isOn_ = false;
+  double speed_ = 0.0;        // over the free one
+  double phase_ = 0.0;        // of the rotation, turns
+  double load_ = 0.0;         // N m
+  Vec3 head_ = Vec3::Zero();  // displacement of the head by its vibration, W, m
   std::vector<std::shared_ptr<Solid>> solids_;
   int obstacle_ = -1;                        // cut at the last tick
   Vec3 way_ = Vec3::Zero();                  // direction against which the surface recedes, W

@@ -2,11 +2,16 @@
 // lib/docs/surfaces.md.
 #pragma once
 
+#include <algorithm>
+
 #include "enamel/collision/scene.hpp"
 #include "enamel/collision/tool.hpp"
 #include "enamel/render/frame.hpp"
 
 namespace enamel {
+
+/// Return the share of a wave that ticks render: 0 with at most 4 samples a wave, 1 with 8 or more. Realtime: yes.
+inline double sampledShare(double samples) noexcept { return std::clamp(0.25 * samples - 1.0, 0.0, 1.0); }
 
 /// Height of a rough surface over the smooth one, m, and its gradient, in the same frame.
 struct SurfaceHeight {

@@ -75,7 +75,9 @@ struct Snapshot {
   GuardReason fault = GuardReason::none;
   bool enabled = true;              ///< by Session::enable() and by the device
   bool clutched = false;            ///< the tool is frozen
-  bool spins = false;               ///< the bur spins
+  bool spins = false;               ///< the motor of the bur is on
+  double burTurns = 0.0;            ///< speed of the bur, turns per second
+  double burTorque = 0.0;           ///< of the cut on its motor, N m
   RemovedVolume removed{};          ///< material removed by this session since its start, m^3 by layer
   std::uint64_t missed = 0;         ///< periods that passed without a tick, by the time stamps
   std::uint64_t held = 0;           ///< ticks without a new sample
