@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "enamel/collision/contacts.hpp"
+#include "enamel/collision/cut_comparison.hpp"
 #include "enamel/collision/mesh_file.hpp"
 #include "enamel/core/error.hpp"
 #include "keywords.hpp"
@@ -248,6 +249,67 @@ void addMeshObstacle(SceneClass& scene) {
       py::arg("name"), py::arg("vertices"), py::arg("triangles"), doc.c_str());
 }
 
+const Solid& solidAt(const SceneFile& file, int obstacle) {
+  const auto* const solid = std::get_if<std::shared_ptr<const Solid>>(&obstacleAt(file, obstacle).shape);
+  if (solid == nullptr) throw Error("obstacle " + std::to_string(obstacle) + " is not a solid");
+  return **solid;
+}
+
+py::dict dictOf(const CutDifference& difference, py::ssize_t layers) {
+  py::dict values;
+  values["over_cut"] = Array(layers, difference.overCut.data());
+  values["under_cut"] = Array(layers, difference.underCut.data());
+  values["area"] = difference.area;
+  values["mean"] = difference.mean;
+  values["p95"] = difference.p95;
+  values["deepest"] = difference.deepest;
+  values["highest"] = difference.highest;
+  return values;
+}
+
+py::dict cutAgainst(const SceneFile& file, int obstacle, const Array& vertices, const Triangles& triangles,
+                    const Array& axis) {
+  const Solid& solid = solidAt(file, obstacle);
+  const std::shared_ptr<const MeshModel> target = modelOf(vertices, triangles);
+  const Vec3 up = vec3(axis, "axis", "of any length");
+  auto compared = std::make_unique<CutComparison>();
+  {
+    const py::gil_scoped_release release;
+    *compared = compareCut(solid, *target, up);
+  }
+  const CutComparison& c = *compared;
+  const py::capsule owner = keep(std::move(compared));
+  const auto layers = static_cast<py::ssize_t>(solid.layers().size()),
+             count = static_cast<py::ssize_t>(c.distance.size());
+  py::list names;
+  for (const SolidLayer& layer : solid.layers()) names.append(layer.name);
+  py::dict result;
+  result["layers"] = names;
+  result["removed"] = Array(layers, c.removed.data());
+  result["planned"] = Array(layers, c.planned.data());
+  result["whole"] = dictOf(c.whole, layers);
+  result["floors"] = dictOf(c.floors, layers);
+  result["walls"] = dictOf(c.walls, layers);
+  result["vertices"] = view(reinterpret_cast<const double*>(c.surface.vertices.data()), {count, 3}, owner);
+  result["triangles"] = view(reinterpret_cast<const int*>(c.surface.triangles.data()),
+                             {static_cast<py::ssize_t>(c.surface.triangles.size()), 3}, owner);
+  result["distance"] = view(c.distance.data(), {count}, owner);
+  result["is_prepared"] = view(reinterpret_cast<const bool*>(c.isPrepared.data()), {count}, owner);
+  return result;
+}
+
+void addSolids(SceneClass& scene) {
+  scene.def(
+      "compare_cut", &cutAgainst, py::arg("obstacle"), py::arg("vertices"), py::arg("triangles"),
+      py::arg("axis") = py::make_tuple(0.0, 0.0, 1.0),
+      "Compare a cut solid with the target of a preparation: a closed mesh in the solid's frame, m. The result has the "
+      "names of the layers, the volumes `removed` and `planned` of each layer (m^3), and dictionaries `whole`, "
+      "`floors` and `walls`: over_cut and under_cut of each layer (m^3), area (m^2), mean, p95, deepest and highest "
+      "(m) of the surface's distance from the target. `vertices`, `triangles`, `distance` (m, of each vertex) and "
+      "`is_prepared` are the surface of the solid. Floors are faces of the target within 45 deg of `axis`. Raises "
+      "Error for a target that is not closed. The GIL is released.");
+}
+
 void addMeshes(SceneClass& scene) {
   scene
       .def(
@@ -349,6 +411,7 @@ void addScene(py::module_& m) {
   addObstacles(scene);
   addMeshObstacle(scene);
   addMeshes(scene);
+  addSolids(scene);
   addQueries(scene);
   addMeshFile(m);
 }

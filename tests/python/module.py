@@ -132,6 +132,31 @@ class Scenes(unittest.TestCase):
         with self.assertRaisesRegex(enamel.Error, "is not a mesh"):
             scene.mesh(wall)
 
+    def test_a_solid_against_a_target(self):
+        scene = enamel.Scene(enamel.data / "scenes/drill.toml")
+        vertices, triangles = enamel.load_mesh(enamel.data / "meshes/molar.ply", 2.5e-3)
+        middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+        corners = (vertices - middle)[triangles]
+        volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6.0
+        molar = scene.obstacles.index("molar")
+        same = scene.compare_cut(molar, vertices, triangles)
+        self.assertEqual(same["layers"], ["enamel", "dentine", "pulp"])
+        self.assertEqual((same["planned"].sum(), same["whole"]["over_cut"].sum(), same["is_prepared"].sum()), (0, 0, 0))
+        smaller = scene.compare_cut(molar, middle + 0.9 * (vertices - middle), triangles, axis=(0, 0, 2))
+        whole, floors, walls = smaller["whole"], smaller["floors"], smaller["walls"]
+        np.testing.assert_allclose(whole["under_cut"].sum(), (1.0 - 0.9**3) * volume, rtol=0.005)
+        np.testing.assert_array_equal(floors["under_cut"] + walls["under_cut"], whole["under_cut"])
+        np.testing.assert_allclose(smaller["planned"], whole["under_cut"])
+        self.assertEqual(smaller["removed"].sum(), 0.0)
+        distance = smaller["distance"]
+        self.assertEqual(len(distance), len(smaller["vertices"]))
+        self.assertEqual(distance[smaller["is_prepared"]].max(), whole["highest"])
+        self.assertTrue(0.0 < whole["mean"] < whole["p95"] < whole["highest"] < 0.1 * np.abs(corners).max() * 2.0)
+        with self.assertRaisesRegex(enamel.Error, "must be closed"):
+            scene.compare_cut(molar, vertices, triangles[1:])
+        with self.assertRaisesRegex(enamel.Error, "is not a solid"):
+            scene.compare_cut(scene.obstacles.index("gum"), vertices, triangles)
+
     def test_meshes_without_copies_and_out_of_their_scene(self):
         vertices, triangles = self.scene.mesh(0)
         self.assertEqual(vertices.ctypes.data, self.scene.mesh(0)[0].ctypes.data)

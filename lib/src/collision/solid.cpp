@@ -127,16 +127,7 @@ void Solid::fill(const MeshModel& surface, const std::vector<std::array<int, 3>>
     std::copy(places[b].begin(), places[b].end(), brick.place.begin());
     const Vec3 low = lowOf(static_cast<int>(b)), centre = low + Vec3::Constant(0.5 * kBrickCells * cell_);
     const Vec3 corner = kBrickCells * Vec3(places[b][0], places[b][1], places[b][2]);
-    const double atCentre = enamel::signedDistance(surface, centre, &cache).distance;
-    if (atCentre < -(kHalfDiagonal + kBand) * cell_) {
-      brick.samples.fill(-kBand);
-    } else {
-      forEachAlongPath(kBrickSamples, [&](int x, int y, int z) {
-        const Vec3 p = origin_ + cell_ * (corner + Vec3(x, y, z));  // the same bits from every brick that has it
-        const double distance = enamel::signedDistance(surface, p, &cache).distance;
-        brick.samples[sampleAt(x, y, z)] = std::clamp(static_cast<float>(distance / cell_), -kBand, kBand);
-      });
-    }
+    kernel::sampleMesh(surface, origin_, cell_, corner, cache, brick.samples);
     brick.layer.fill(0);
     for (std::size_t k = 1; k < layers_.size(); ++k) {
       const SolidLayer& layer = layers_[k];
@@ -167,19 +158,32 @@ std::size_t Solid::bytes() const noexcept {
          changed_.size() * sizeof(changed_[0]);
 }
 
-// Each cell counts by its mean value. For a curved surface the errors of mean and rounding cancel out.
+void kernel::sampleMesh(const MeshModel& mesh, const Vec3& origin, double cell, const Vec3& corner,
+                        ProximityCache& cache, BrickSamples& samples) {
+  const Vec3 centre = origin + cell * (corner + Vec3::Constant(0.5 * kBrickCells));
+  const double atCentre = signedDistance(mesh, centre, &cache).distance, most = (kHalfDiagonal + Solid::kBand) * cell;
+  if (std::abs(atCentre) > most) return samples.fill(std::copysign(Solid::kBand, static_cast<float>(atCentre)));
+  forEachAlongPath(kBrickSamples, [&](int x, int y, int z) {
+    const Vec3 p = origin + cell * (corner + Vec3(x, y, z));  // the same bits from every brick that has it
+    const double distance = signedDistance(mesh, p, &cache).distance;
+    samples[sampleAt(x, y, z)] = std::clamp(static_cast<float>(distance / cell), -Solid::kBand, Solid::kBand);
+  });
+}
+
+// A cell counts by its mean value. For a curved surface the errors of mean and rounding cancel out.
+double kernel::filledShare(const BrickSamples& samples, int x, int y, int z) noexcept {
+  constexpr int up = kSlice, back = kBrickSamples;
+  const float* s = samples.data() + sampleAt(x, y, z);
+  return shareOf(0.125f * (s[0] + s[1] + s[back] + s[back + 1] + s[up] + s[up + 1] + s[up + back] + s[up + back + 1]));
+}
+
 RemovedVolume Solid::volume() const {
   RemovedVolume volume{};
-  constexpr int up = kSlice, back = kBrickSamples;
   for (const Brick& brick : bricks_)
     for (int z = 0; z < kBrickCells; ++z)
       for (int y = 0; y < kBrickCells; ++y)
-        for (int x = 0; x < kBrickCells; ++x) {
-          const float* s = brick.samples.data() + sampleAt(x, y, z);
-          const float mean =
-              0.125f * (s[0] + s[1] + s[back] + s[back + 1] + s[up] + s[up + 1] + s[up + back] + s[up + back + 1]);
-          volume[brick.layer[cellAt(x, y, z)]] += shareOf(mean) * cell_ * cell_ * cell_;
-        }
+        for (int x = 0; x < kBrickCells; ++x)
+          volume[brick.layer[cellAt(x, y, z)]] += kernel::filledShare(brick.samples, x, y, z) * cell_ * cell_ * cell_;
   return volume;
 }
 
