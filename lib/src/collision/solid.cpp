@@ -17,10 +17,9 @@ using kernel::Inside;
 
 constexpr double kBorder = Solid::kBand + 1.0;                      // cells around the mesh
 constexpr double kHalfDiagonal = 0.8660254037844386 * kBrickCells;  // of a brick, cells
-constexpr double kMostBytes = 1e9, kMostPlaces = 1 << 22;
-constexpr double kLongestMove = 0.02, kLongestAxis = 0.1;  // m
-constexpr int kMostBricks = 4096;                          // limit of a cut; the rest is left
-constexpr double kSubstep = 0.5;                           // cells that an end moves between two positions of a capsule
+constexpr double kLongestMove = 0.02, kLongestAxis = 0.1;           // m
+constexpr int kMostBricks = 4096;                                   // limit of a cut; the rest is left
+constexpr double kSubstep = 0.5;  // cells that an end moves between two positions of a capsule
 constexpr int kSlice = kBrickSamples * kBrickSamples;
 
 // A row of nine samples as whole vectors: the last four lanes repeat three samples.
@@ -51,11 +50,7 @@ void checkLayers(const std::vector<SolidLayer>& layers) {
                 std::to_string(kMaxSolidLayers));
   double depth = 0.0;
   for (const SolidLayer& layer : layers) {
-    checkMaterial(layer.material, "layer \"" + layer.name + "\"");
-    checkTap(layer.tap, "layer \"" + layer.name + "\"");
-    if (!(layer.hardness > 0.0 && std::isfinite(layer.hardness)))
-      throw Error("layer \"" + layer.name + "\": hardness is " + formatNumber(layer.hardness) +
-                  ", must be greater than 0 Pa");
+    kernel::checkLayer(layer);
     if (layer.within != nullptr) {
       if (!Inside::of(*layer.within).closed)
         throw Error("layer \"" + layer.name + "\": the mesh where it begins must be closed");
@@ -70,6 +65,14 @@ void checkLayers(const std::vector<SolidLayer>& layers) {
 
 }  // namespace
 
+void kernel::checkLayer(const SolidLayer& layer) {
+  checkMaterial(layer.material, "layer \"" + layer.name + "\"");
+  checkTap(layer.tap, "layer \"" + layer.name + "\"");
+  if (!(layer.hardness > 0.0 && std::isfinite(layer.hardness)))
+    throw Error("layer \"" + layer.name + "\": hardness is " + formatNumber(layer.hardness) +
+                ", must be greater than 0 Pa");
+}
+
 Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, const SolidOptions& options)
     : cell_(options.cell), layers_(layers) {
   checkLayers(layers_);
@@ -77,8 +80,6 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
   if (!data.closed) throw Error("the mesh of a solid must be closed; this one has open edges");
   if (!(cell_ > 0.0 && std::isfinite(cell_)))
     throw Error("the cell of a solid is " + formatNumber(cell_) + " m, must be greater than 0 m");
-  if (options.undoBricks < 0)
-    throw Error("the room for undo is " + std::to_string(options.undoBricks) + " bricks, must be at least 0");
   origin_ = data.low - Vec3::Constant(kBorder * cell_);
   const Vec3 cells = (data.high - data.low) / cell_ + Vec3::Constant(2.0 * kBorder);
   const Vec3 along = (cells / kBrickCells).array().ceil();
@@ -86,7 +87,7 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
     throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too " + why + ", or check the unit of the mesh");
   };
   const char* const small = "small: the solid needs more than 1 GB; make them larger";
-  if (!(along.prod() <= kMostPlaces)) refuseCell(small);
+  if (!(along.prod() <= kernel::kMostSolidPlaces)) refuseCell(small);
   if (cell_ < kSmallestCell)
     throw Error("the cell of a solid is " + formatNumber(cell_) + " m, must be at least " +
                 formatNumber(kSmallestCell) + " m");
@@ -104,9 +105,11 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
         if (enamel::signedDistance(surface, centre, &cache).distance > least * cell_) continue;
         index_[at] = static_cast<std::int32_t>(places.size());
         places.push_back({x, y, z});
-        if (static_cast<double>(places.size()) * (sizeof(Brick) + sizeof(BrickSamples)) > kMostBytes) refuseCell(small);
+        if (static_cast<double>(places.size()) * (sizeof(Brick) + sizeof(BrickSamples)) > kernel::kMostSolidBytes)
+          refuseCell(small);
       }
   fill(surface, places);
+  prepare(options.undoBricks);
   if (std::none_of(hasSurface_.begin(), hasSurface_.end(), [](auto has) { return has != 0; })) {
     // A convex body contains a ball with this radius, and the ball a corner of such a cell.
     const MeshReport body = inspect(surface.mesh());
@@ -114,13 +117,19 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
                std::to_string(1e3 * std::abs(body.volume) / body.area) + " mm, its volume / area");
   }
   for (const Brick& brick : bricks_) original_.push_back(brick.samples);
-  kept_.resize(static_cast<std::size_t>(options.undoBricks));
+}
+
+// Find the surface and reserve memory.
+void Solid::prepare(int undoBricks) {
+  if (undoBricks < 0) throw Error("the room for undo is " + std::to_string(undoBricks) + " bricks, must be at least 0");
+  hasSurface_.resize(bricks_.size());
+  for (Brick& brick : bricks_) findSurface(brick);
+  kept_.resize(static_cast<std::size_t>(undoBricks));
   changed_.resize(bricks_.size());
 }
 
 void Solid::fill(const MeshModel& surface, const std::vector<std::array<int, 3>>& places) {
   bricks_.resize(places.size());
-  hasSurface_.resize(places.size());
   ProximityCache cache, layerCache;
   for (std::size_t b = 0; b < places.size(); ++b) {
     Brick& brick = bricks_[b];
@@ -141,7 +150,6 @@ void Solid::fill(const MeshModel& surface, const std::vector<std::array<int, 3>>
           brick.layer[cellAt(x, y, z)] = static_cast<std::uint8_t>(k);
       });
     }
-    findSurface(brick);
   }
 }
 
@@ -380,7 +388,7 @@ bool Solid::undo() noexcept {
   const auto last = [&]() -> Kept& { return kept_[(keptBegin_ + keptCount_ - 1) % kept_.size()]; };
   if (keptCount_ == 0 || last().mark <= lostMark_) return false;
   for (const std::uint64_t mark = last().mark; keptCount_ > 0 && last().mark == mark; --keptCount_)
-    put(last().brick, last().samples);
+    set(last().brick, last().samples);
   ++mark_;
   ++restorations_;
   return true;
@@ -388,13 +396,13 @@ bool Solid::undo() noexcept {
 
 void Solid::restore() noexcept {
   for (std::size_t i = 0; i < bricks_.size(); ++i)
-    if (bricks_[i].samples != original_[i]) put(static_cast<std::int32_t>(i), original_[i]);
+    if (bricks_[i].samples != original_[i]) set(static_cast<std::int32_t>(i), original_[i]);
   keptCount_ = 0;
   ++mark_;
   ++restorations_;
 }
 
-void Solid::put(std::int32_t number, const BrickSamples& samples) noexcept {
+void Solid::set(int number, const BrickSamples& samples) noexcept {
   Brick& brick = bricks_[static_cast<std::size_t>(number)];
   brick.samples = samples;
   findSurface(brick);

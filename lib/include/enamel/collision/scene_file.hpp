@@ -52,7 +52,8 @@ struct SceneFile {
 ///   `scale` (default 1), `position` (of its origin) and `euler_deg`. With `thin = true` the mesh is a sheet with two
 ///   sides and no inside, with the key `thickness`.
 /// - "solid": the keys of a mesh without `thin` and `thickness`, optional `cell` (default 1e-4), and a list `layer` of
-///   tables. The mesh must be closed.
+///   tables. The mesh must be closed. If `file` ends in ".solid", it is a saved solid (loadSolid()); then only
+///   `position` and `euler_deg` are allowed.
 ///
 /// Keys of a layer: `name`, `hardness` [Pa], optionally its material, and `depth` (default 0) or `file`. `file` is a
 /// mesh in the same coordinates at whose surface the layer begins.
