@@ -6,6 +6,7 @@
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/cut_comparison.hpp"
 #include "enamel/collision/mesh_file.hpp"
+#include "enamel/collision/solid_file.hpp"
 #include "enamel/core/error.hpp"
 #include "keywords.hpp"
 
@@ -299,6 +300,26 @@ py::dict cutAgainst(const SceneFile& file, int obstacle, const Array& vertices, 
 }
 
 void addSolids(SceneClass& scene) {
+  scene.def(
+      "add_solid",
+      [](SceneFile& self, const std::string& name, const py::object& path, const Array& position,
+         const std::optional<Array>& rotation) {
+        auto solid = std::make_shared<Solid>(loadSolid(py::str(path).cast<std::string>()));
+        const int number = addObstacle(self, name, std::shared_ptr<const Solid>(solid), poseOf(position, rotation), {});
+        self.solids.resize(self.scene.obstacles().size());
+        self.solids.back() = std::move(solid);
+        return number;
+      },
+      py::arg("name"), py::arg("path"), py::arg("position") = py::make_tuple(0.0, 0.0, 0.0),
+      py::arg("rotation") = py::none(),
+      "Add a saved solid (.solid) and return its number. Raises ConfigurationError with the file.");
+  scene.def(
+      "save_solid",
+      [](const SceneFile& self, int obstacle, const py::object& path) {
+        saveSolid(solidAt(self, obstacle), py::str(path).cast<std::string>());
+      },
+      py::arg("obstacle"), py::arg("path"),
+      "Write a solid with its cuts, layers and materials to a file (.solid). Raises Error.");
   scene.def(
       "compare_cut", &cutAgainst, py::arg("obstacle"), py::arg("vertices"), py::arg("triangles"),
       py::arg("axis") = py::make_tuple(0.0, 0.0, 1.0),

@@ -152,6 +152,17 @@ class Scenes(unittest.TestCase):
         self.assertEqual(len(distance), len(smaller["vertices"]))
         self.assertEqual(distance[smaller["is_prepared"]].max(), whole["highest"])
         self.assertTrue(0.0 < whole["mean"] < whole["p95"] < whole["highest"] < 0.1 * np.abs(corners).max() * 2.0)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "molar.solid"
+            scene.save_solid(molar, path)
+            again = enamel.Scene()
+            number = again.add_solid("again", path, position=(0, 0, -0.012))
+            self.assertEqual(again.compare_cut(number, vertices, triangles)["distance"].tobytes(), same["distance"].tobytes())
+            scene.set_tool([((0, 0, 0), (0, 0, 0), 0.0)])
+            self.assertEqual(again.nearest([[0, 0, 0.002]])["gap"], scene.nearest([[0, 0, 0.002]])["gap"])
+            path.write_bytes(path.read_bytes()[:-1])
+            with self.assertRaisesRegex(enamel.ConfigurationError, "molar.solid: is damaged"):
+                again.add_solid("damaged", path)
         with self.assertRaisesRegex(enamel.Error, "must be closed"):
             scene.compare_cut(molar, vertices, triangles[1:])
         with self.assertRaisesRegex(enamel.Error, "is not a solid"):
