@@ -126,7 +126,14 @@ const MeshModel& meshAt(const SceneFile& file, int obstacle) {
   return **model;
 }
 
-void setTool(SceneFile& file, const std::vector<std::tuple<Array, Array, double>>& parts) {
+using ToolParts = std::vector<std::tuple<Array, Array, double>>;
+
+void setTool(SceneFile& file, const std::variant<std::string, ToolParts>& named) {
+  if (const auto* const name = std::get_if<std::string>(&named)) {
+    file.tool = toolOf(*name);
+    return;
+  }
+  const ToolParts& parts = std::get<ToolParts>(named);
   Tool tool;
   if (parts.size() > kMaxToolParts)
     throw Error("the tool has " + std::to_string(parts.size()) + " parts, must have at most " +
@@ -425,10 +432,11 @@ void addScene(py::module_& m) {
           "start", [](const SceneFile& self) { return self.start; },
           [](SceneFile& self, const Array& start) { self.start = vec3(start, "start", "m"); },
           "Start of the TCP in W, (3,), m. The tool does not touch there.")
-      .def("set_tool", &setTool, py::arg("parts"),
-           "Make the tool of capsules (end, end, radius) in the platform's frame, m. A capsule with equal ends is a "
-           "sphere; with a radius of 0 it is a point. Raises Error for more than 8 parts, or an end or radius above 1 "
-           "m.");
+      .def(
+          "set_tool", &setTool, py::arg("parts"),
+          "Make the tool of capsules (end, end, radius) in the platform's frame, m. A capsule with equal ends is a "
+          "sphere; with a radius of 0 it is a point. A name is also possible: round-010 is a ball bur of 1 mm, further "
+          "ones are in tool.hpp. Raises Error for more than 8 parts, an end or radius above 1 m, or another name.");
   addObstacles(scene);
   addMeshObstacle(scene);
   addMeshes(scene);

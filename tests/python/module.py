@@ -119,6 +119,10 @@ class Scenes(unittest.TestCase):
             scene.soften(ball, 1500.0, exponent=0.5)
         with self.assertRaisesRegex(enamel.Error, "a puncture force needs a thickness"):
             scene.soften(ball, 1500.0, puncture=3.0)
+        scene.set_tool("round-010")  # its tip is at the TCP, and its shank is 0.8 mm thick on each side
+        np.testing.assert_allclose(scene.nearest([[0, 0, -0.5], [3.9, 0, 0]])["gap"], [0.5, 0.1 - 0.8e-3])
+        with self.assertRaisesRegex(enamel.Error, '"round-1" is not a tool'):
+            scene.set_tool("round-1")
         scene.set_tap(box, "enamel")
         scene.set_tap(box, (300, 90))
         with self.assertRaisesRegex(enamel.Error, 'must be one of "enamel"'):

@@ -294,6 +294,14 @@ void addNotes(const Obstacle& obstacle, const Tool& tool, std::vector<std::strin
 Tool readTool(TomlTable& root) {
   Tool tool;
   if (!root.has("tool")) return tool;
+  if (root.isText("tool")) {
+    const std::string name = root.text("tool");
+    try {
+      return toolOf(name);
+    } catch (const Error& error) {
+      root.fail("tool", std::string("is ") + error.what());
+    }
+  }
   std::vector<TomlTable> tables = root.tables("tool");
   if (tables.empty() || tables.size() > kMaxToolParts)
     root.fail("tool", "has " + std::to_string(tables.size()) + " parts, must be 1 to " + std::to_string(kMaxToolParts));

@@ -31,7 +31,8 @@ struct SceneFile {
 ///
 /// Keys of the file:
 /// - `name`, `start` [m], optional `max_force` [N];
-/// - optional list `tool` of capsules in the platform's frame: `from`, optional `to` (default: a sphere), `radius`;
+/// - optional `tool`: a name (toolOf()), or a list of capsules in the platform's frame: `from`, optional `to` (default:
+///   a sphere), `radius`;
 /// - optional table `bur`: the tool's `part` (default 0), `wear` and `turns` a second (defaults: those of Bur);
 /// - list `obstacle` of tables, each with `name`, `shape`, the keys of its shape, and optionally its material and a
 ///   table `suspension`.
