@@ -20,6 +20,7 @@ void addDevice(CLI::App& app);
 void addDevices(CLI::App& app);
 void addBench(CLI::App& app);
 void addMesh(CLI::App& app);
+void addSolid(CLI::App& app);
 void addScene(CLI::App& app);
 void addPlugins(CLI::App& app);
 void addFmu(CLI::App& app);  // only in a build with FMI

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
     enamel::app::addDevice(app);
     enamel::app::addDevices(app);
     enamel::app::addMesh(app);
+    enamel::app::addSolid(app);
     enamel::app::addScene(app);
     enamel::app::addPlugins(app);
 #ifdef ENAMEL_FMI

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <numeric>
@@ -15,10 +13,11 @@
 #include "commands.hpp"
 #include "enamel/collision/mesh_file.hpp"
 #include "enamel/collision/proximity.hpp"
+#include "enamel/collision/solid_file.hpp"
 #include "enamel/collision/solid_surface.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/core/file.hpp"
 #include "mesh_generator.hpp"
+#include "mesh_output.hpp"
 #include "mesh_prepare.hpp"
 #include "program/outputs.hpp"
 
@@ -57,50 +56,6 @@ void print(const MeshReport& r) {
   line("area", fmt::format("{:.6g} m^2", r.area));
   line("box", fmt::format("{:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} m", r.low.x(), r.low.y(), r.low.z(), r.high.x(),
                           r.high.y(), r.high.z()));
-}
-
-// Use PLY for a file name without an extension.
-void checkOutput(const std::string& path) {
-  const std::string ending = std::filesystem::u8path(path).extension().u8string();
-  if (!ending.empty() && ending != ".ply" && ending != ".stl")
-    throw Error(path + ": the extension must be .ply or .stl");
-}
-
-template <typename Value>
-void put(const Value& value, std::string& bytes) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-void put(const Vec3& v, std::string& bytes) {
-  for (int k = 0; k < 3; ++k) put(static_cast<float>(v[k]), bytes);
-}
-
-void writeStl(const TriangleMesh& mesh, const std::string& path) {
-  std::string bytes("units mm");
-  bytes.resize(80, ' ');
-  put(static_cast<std::uint32_t>(mesh.triangles.size()), bytes);
-  for (const auto& t : mesh.triangles) {
-    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    put(Vec3((b - a).cross(c - a).normalized()), bytes);
-    for (const Vec3* v : {&a, &b, &c}) put(Vec3(1e3 * *v), bytes);
-    put(std::uint16_t{0}, bytes);
-  }
-  writeFile(path, bytes);
-}
-
-// Write a binary file in mm.
-void write(const TriangleMesh& mesh, const std::string& path) {
-  if (std::filesystem::u8path(path).extension() == ".stl") return writeStl(mesh, path);
-  std::string bytes = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment units mm\nelement vertex {}\nproperty float x\n"
-      "property float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      mesh.vertices.size(), mesh.triangles.size());
-  for (const Vec3& v : mesh.vertices) put(Vec3(1e3 * v), bytes);
-  for (const auto& t : mesh.triangles) {
-    put(std::uint8_t{3}, bytes);
-    for (const int v : t) put(static_cast<std::int32_t>(v), bytes);
-  }
-  writeFile(path, bytes);
 }
 
 void print(const PrepareReport& r, const TriangleMesh& result, const std::string& path) {
@@ -161,6 +116,8 @@ void printErrors(const MeshModel& model, const Solid& solid) {
   printLine("wrong side", fmt::format("{} points more than half a cell from the surface", wrong));
 }
 
+bool isSolidFile(const std::string& path) { return std::filesystem::u8path(path).extension() == ".solid"; }
+
 void makeSolid(const MeshModel& model, const MeshOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const Solid solid = [&] {
@@ -181,8 +138,9 @@ void makeSolid(const MeshModel& model, const MeshOptions& options) {
                                   100.0 * (volume - std::abs(whole)) / std::abs(whole)));
   printErrors(model, solid);
   if (options.output.empty()) return;
+  if (isSolidFile(options.output)) return saveSolid(solid, options.output);
   const TriangleMesh surface = surfaceOf(solid);
-  write(surface, options.output);
+  writeMesh(surface, options.output);
   printLine("surface", fmt::format("{} triangles: {}", surface.triangles.size(), options.output));
 }
 
@@ -197,8 +155,8 @@ TriangleMesh generated(const MeshOptions& options) {
 }
 
 void run(const MeshOptions& options) {
-  checkOutput(options.output);
-  checkOutput(options.prepare);
+  if (!(options.solid && isSolidFile(options.output))) checkMeshOutput(options.output);
+  checkMeshOutput(options.prepare);
   if (options.generate.empty()) {
     if (options.file.empty()) throw Error("give a mesh file, or --generate with --output");
     const TriangleMesh mesh = loadMesh(options.file, options.unit);
@@ -209,13 +167,13 @@ void run(const MeshOptions& options) {
     if (options.prepare.empty()) return;
     PrepareReport report;
     const TriangleMesh prepared = prepareMesh(mesh, {1e-6 * options.deviation, 1e-3 * options.base}, report);
-    write(prepared, options.prepare);
+    writeMesh(prepared, options.prepare);
     print(report, prepared, options.prepare);
     printLine("sign", describe(MeshModel(prepared)));
     return;
   }
   if (options.output.empty()) throw Error("--generate needs --output");
-  write(generated(options), options.output);
+  writeMesh(generated(options), options.output);
 }
 
 }  // namespace
@@ -257,7 +215,7 @@ void addMesh(CLI::App& app) {
   auto* solid = command
                     ->add_flag("--solid", options->solid,
                                "make a solid that can be cut from the file's closed mesh and print its error; --output "
-                               "writes its surface (PLY or STL in mm)")
+                               "writes its surface (PLY or STL in mm), or the solid itself (.solid)")
                     ->excludes(generate)
                     ->excludes(prepare);
   command->add_option("--cell", options->cell, "edge of the solid's cells, mm")

@@ -7,8 +7,10 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "commands.hpp"
+#include "enamel/collision/solid_file.hpp"
 #include "enamel/core/error.hpp"
 #include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
@@ -20,7 +22,7 @@ namespace enamel::app {
 namespace {
 
 struct ReplayOptions {
-  std::string file, renderer, html, beside;
+  std::string file, renderer, html, beside, solid;
   std::vector<std::string> set;
   std::uint64_t from = 0;
   bool overwrite = false;
@@ -77,16 +79,29 @@ ReplayResult play(Replayed& run, std::uint64_t from, const std::string& title, b
   return result;
 }
 
+std::shared_ptr<const Solid> onlySolid(const SceneFile& scene, const std::string& file) {
+  std::shared_ptr<const Solid> found;
+  for (const auto& solid : scene.solids) {
+    if (solid && found) throw Error(file + ": --solid needs a scene with one solid, this one has several");
+    if (solid) found = solid;
+  }
+  if (!found) throw Error(file + ": --solid needs a scene with a solid");
+  return found;
+}
+
 void run(const ReplayOptions& options) {
   const bool hasPage = !options.html.empty(), isOther = !options.renderer.empty() || !options.set.empty();
   if (!options.beside.empty() && !hasPage) throw Error("--beside needs --html");
   if (!options.beside.empty() && isOther) throw Error("--beside cannot be combined with --renderer or --set");
   if (hasPage) checkReplayPage();
-  for (const std::string& recording : {options.file, options.beside})
-    if (std::error_code none; hasPage && std::filesystem::equivalent(std::filesystem::u8path(options.html),
-                                                                     std::filesystem::u8path(recording), none))
-      throw Error("--html must be another file than the recording " + options.html);
-  requireFree(options.html, options.overwrite);
+  for (const auto& [name, output] : {std::pair("--html", options.html), std::pair("--solid", options.solid)}) {
+    for (const std::string& recording : {options.file, options.beside})
+      if (std::error_code none;
+          !output.empty() &&
+          std::filesystem::equivalent(std::filesystem::u8path(output), std::filesystem::u8path(recording), none))
+        throw Error(std::string(name) + " must be another file than the recording " + output);
+    requireFree(output, options.overwrite);
+  }
   std::vector<nlohmann::json> sides;
   PageNumbers numbers;
   if (hasPage && isOther) {  // show the recorded renderer beside the other one
@@ -94,6 +109,7 @@ void run(const ReplayOptions& options) {
     play(recorded, options.from, recorded.recording.header().renderer, false, numbers, &sides);
   }
   Replayed run(options.file, options.renderer, options.set);
+  const std::shared_ptr<const Solid> solid = options.solid.empty() ? nullptr : onlySolid(run.scene, options.file);
   const RecordingHeader& header = run.recording.header();
   const std::string name =
       options.renderer.empty() ? header.renderer : std::filesystem::u8path(options.renderer).stem().u8string();
@@ -118,6 +134,7 @@ void run(const ReplayOptions& options) {
     fmt::print("page: {}, {:.1f} MB\n", options.html,
                1e-6 * static_cast<double>(std::filesystem::file_size(std::filesystem::u8path(options.html))));
   }
+  if (solid) saveSolid(*solid, options.solid);
   if (result.damaged > 0) damage = options.file + ": damaged: only the ticks that could be read were compared";
   if (result.different > 0)
     fmt::print("{} ticks differ, first {}\nlargest difference by joint, N m or N: requested torque {}; command {}\n",
@@ -148,6 +165,7 @@ void addReplay(CLI::App& app) {
                       "file for a page that plays the recording in a browser without other files; with --renderer or "
                       "--set it also shows the answers of that renderer");
   command->add_option("--beside", options->beside, "another recording for the right half of the page");
+  command->add_option("--solid", options->solid, "file (.solid) for the scene's solid as the bur has cut it");
   addOverwrite(*command, options->overwrite);
   command->callback([options] { run(*options); });
 }

@@ -6,7 +6,6 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/core/old_names.hpp"
-#include "enamel/runtime/recording.hpp"
 #include "enamel/sim/plant_maker.hpp"
 
 namespace enamel::fmi {

@@ -4,7 +4,9 @@
 #include <variant>
 
 #include "enamel/collision/contacts.hpp"
+#include "enamel/collision/cut_comparison.hpp"
 #include "enamel/collision/mesh_file.hpp"
+#include "enamel/collision/solid_file.hpp"
 #include "enamel/core/error.hpp"
 #include "keywords.hpp"
 
@@ -124,7 +126,14 @@ const MeshModel& meshAt(const SceneFile& file, int obstacle) {
   return **model;
 }
 
-void setTool(SceneFile& file, const std::vector<std::tuple<Array, Array, double>>& parts) {
+using ToolParts = std::vector<std::tuple<Array, Array, double>>;
+
+void setTool(SceneFile& file, const std::variant<std::string, ToolParts>& named) {
+  if (const auto* const name = std::get_if<std::string>(&named)) {
+    file.tool = toolOf(*name);
+    return;
+  }
+  const ToolParts& parts = std::get<ToolParts>(named);
   Tool tool;
   if (parts.size() > kMaxToolParts)
     throw Error("the tool has " + std::to_string(parts.size()) + " parts, must have at most " +
@@ -269,6 +278,87 @@ void addMeshObstacle(SceneClass& scene) {
       py::arg("name"), py::arg("vertices"), py::arg("triangles"), doc.c_str());
 }
 
+const Solid& solidAt(const SceneFile& file, int obstacle) {
+  const auto* const solid = std::get_if<std::shared_ptr<const Solid>>(&obstacleAt(file, obstacle).shape);
+  if (solid == nullptr) throw Error("obstacle " + std::to_string(obstacle) + " is not a solid");
+  return **solid;
+}
+
+py::dict dictOf(const CutDifference& difference, py::ssize_t layers) {
+  py::dict values;
+  values["over_cut"] = Array(layers, difference.overCut.data());
+  values["under_cut"] = Array(layers, difference.underCut.data());
+  values["area"] = difference.area;
+  values["mean"] = difference.mean;
+  values["p95"] = difference.p95;
+  values["deepest"] = difference.deepest;
+  values["highest"] = difference.highest;
+  return values;
+}
+
+py::dict cutAgainst(const SceneFile& file, int obstacle, const Array& vertices, const Triangles& triangles,
+                    const Array& axis) {
+  const Solid& solid = solidAt(file, obstacle);
+  const std::shared_ptr<const MeshModel> target = modelOf(vertices, triangles);
+  const Vec3 up = vec3(axis, "axis", "of any length");
+  auto compared = std::make_unique<CutComparison>();
+  {
+    const py::gil_scoped_release release;
+    *compared = compareCut(solid, *target, up);
+  }
+  const CutComparison& c = *compared;
+  const py::capsule owner = keep(std::move(compared));
+  const auto layers = static_cast<py::ssize_t>(solid.layers().size()),
+             count = static_cast<py::ssize_t>(c.distance.size());
+  py::list names;
+  for (const SolidLayer& layer : solid.layers()) names.append(layer.name);
+  py::dict result;
+  result["layers"] = names;
+  result["removed"] = Array(layers, c.removed.data());
+  result["planned"] = Array(layers, c.planned.data());
+  result["whole"] = dictOf(c.whole, layers);
+  result["floors"] = dictOf(c.floors, layers);
+  result["walls"] = dictOf(c.walls, layers);
+  result["vertices"] = view(reinterpret_cast<const double*>(c.surface.vertices.data()), {count, 3}, owner);
+  result["triangles"] = view(reinterpret_cast<const int*>(c.surface.triangles.data()),
+                             {static_cast<py::ssize_t>(c.surface.triangles.size()), 3}, owner);
+  result["distance"] = view(c.distance.data(), {count}, owner);
+  result["is_prepared"] = view(reinterpret_cast<const bool*>(c.isPrepared.data()), {count}, owner);
+  return result;
+}
+
+void addSolids(SceneClass& scene) {
+  scene.def(
+      "add_solid",
+      [](SceneFile& self, const std::string& name, const py::object& path, const Array& position,
+         const std::optional<Array>& rotation) {
+        auto solid = std::make_shared<Solid>(loadSolid(py::str(path).cast<std::string>()));
+        const int number = addObstacle(self, name, std::shared_ptr<const Solid>(solid), poseOf(position, rotation), {});
+        self.solids.resize(self.scene.obstacles().size());
+        self.solids.back() = std::move(solid);
+        return number;
+      },
+      py::arg("name"), py::arg("path"), py::arg("position") = py::make_tuple(0.0, 0.0, 0.0),
+      py::arg("rotation") = py::none(),
+      "Add a saved solid (.solid) and return its number. Raises ConfigurationError with the file.");
+  scene.def(
+      "save_solid",
+      [](const SceneFile& self, int obstacle, const py::object& path) {
+        saveSolid(solidAt(self, obstacle), py::str(path).cast<std::string>());
+      },
+      py::arg("obstacle"), py::arg("path"),
+      "Write a solid with its cuts, layers and materials to a file (.solid). Raises Error.");
+  scene.def(
+      "compare_cut", &cutAgainst, py::arg("obstacle"), py::arg("vertices"), py::arg("triangles"),
+      py::arg("axis") = py::make_tuple(0.0, 0.0, 1.0),
+      "Compare a cut solid with the target of a preparation: a closed mesh in the solid's frame, m. The result has the "
+      "names of the layers, the volumes `removed` and `planned` of each layer (m^3), and dictionaries `whole`, "
+      "`floors` and `walls`: over_cut and under_cut of each layer (m^3), area (m^2), mean, p95, deepest and highest "
+      "(m) of the surface's distance from the target. `vertices`, `triangles`, `distance` (m, of each vertex) and "
+      "`is_prepared` are the surface of the solid. Floors are faces of the target within 45 deg of `axis`. Raises "
+      "Error for a target that is not closed. The GIL is released.");
+}
+
 void addMeshes(SceneClass& scene) {
   scene
       .def(
@@ -363,13 +453,15 @@ void addScene(py::module_& m) {
           "start", [](const SceneFile& self) { return self.start; },
           [](SceneFile& self, const Array& start) { self.start = vec3(start, "start", "m"); },
           "Start of the TCP in W, (3,), m. The tool does not touch there.")
-      .def("set_tool", &setTool, py::arg("parts"),
-           "Make the tool of capsules (end, end, radius) in the platform's frame, m. A capsule with equal ends is a "
-           "sphere; with a radius of 0 it is a point. Raises Error for more than 8 parts, or an end or radius above 1 "
-           "m.");
+      .def(
+          "set_tool", &setTool, py::arg("parts"),
+          "Make the tool of capsules (end, end, radius) in the platform's frame, m. A capsule with equal ends is a "
+          "sphere; with a radius of 0 it is a point. A name is also possible: round-010 is a ball bur of 1 mm, further "
+          "ones are in tool.hpp. Raises Error for more than 8 parts, an end or radius above 1 m, or another name.");
   addObstacles(scene);
   addMeshObstacle(scene);
   addMeshes(scene);
+  addSolids(scene);
   addQueries(scene);
   addMeshFile(m);
 }

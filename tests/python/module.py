@@ -124,6 +124,10 @@ class Scenes(unittest.TestCase):
             scene.set_surface(ball, roughness=1e-5, wavelength=3e-4)
         with self.assertRaisesRegex(enamel.Error, "sliding friction in 0 to friction"):
             scene.set_surface(ball, friction=0.4, sliding_friction=0.5)
+        scene.set_tool("round-010")  # its tip is at the TCP, and its shank is 0.8 mm thick on each side
+        np.testing.assert_allclose(scene.nearest([[0, 0, -0.5], [3.9, 0, 0]])["gap"], [0.5, 0.1 - 0.8e-3])
+        with self.assertRaisesRegex(enamel.Error, '"round-1" is not a tool'):
+            scene.set_tool("round-1")
         scene.set_tap(box, "enamel")
         scene.set_tap(box, (300, 90))
         with self.assertRaisesRegex(enamel.Error, 'must be one of "enamel"'):
@@ -136,6 +140,42 @@ class Scenes(unittest.TestCase):
             scene.add_sphere("ball", (0, 0, 1), 0.25)
         with self.assertRaisesRegex(enamel.Error, "is not a mesh"):
             scene.mesh(wall)
+
+    def test_a_solid_against_a_target(self):
+        scene = enamel.Scene(enamel.data / "scenes/drill.toml")
+        vertices, triangles = enamel.load_mesh(enamel.data / "meshes/molar.ply", 2.5e-3)
+        middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+        corners = (vertices - middle)[triangles]
+        volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6.0
+        molar = scene.obstacles.index("molar")
+        same = scene.compare_cut(molar, vertices, triangles)
+        self.assertEqual(same["layers"], ["enamel", "dentine", "pulp"])
+        self.assertEqual((same["planned"].sum(), same["whole"]["over_cut"].sum(), same["is_prepared"].sum()), (0, 0, 0))
+        smaller = scene.compare_cut(molar, middle + 0.9 * (vertices - middle), triangles, axis=(0, 0, 2))
+        whole, floors, walls = smaller["whole"], smaller["floors"], smaller["walls"]
+        np.testing.assert_allclose(whole["under_cut"].sum(), (1.0 - 0.9**3) * volume, rtol=0.005)
+        np.testing.assert_array_equal(floors["under_cut"] + walls["under_cut"], whole["under_cut"])
+        np.testing.assert_allclose(smaller["planned"], whole["under_cut"])
+        self.assertEqual(smaller["removed"].sum(), 0.0)
+        distance = smaller["distance"]
+        self.assertEqual(len(distance), len(smaller["vertices"]))
+        self.assertEqual(distance[smaller["is_prepared"]].max(), whole["highest"])
+        self.assertTrue(0.0 < whole["mean"] < whole["p95"] < whole["highest"] < 0.1 * np.abs(corners).max() * 2.0)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "molar.solid"
+            scene.save_solid(molar, path)
+            again = enamel.Scene()
+            number = again.add_solid("again", path, position=(0, 0, -0.012))
+            self.assertEqual(again.compare_cut(number, vertices, triangles)["distance"].tobytes(), same["distance"].tobytes())
+            scene.set_tool([((0, 0, 0), (0, 0, 0), 0.0)])
+            self.assertEqual(again.nearest([[0, 0, 0.002]])["gap"], scene.nearest([[0, 0, 0.002]])["gap"])
+            path.write_bytes(path.read_bytes()[:-1])
+            with self.assertRaisesRegex(enamel.ConfigurationError, "molar.solid: is damaged"):
+                again.add_solid("damaged", path)
+        with self.assertRaisesRegex(enamel.Error, "must be closed"):
+            scene.compare_cut(molar, vertices, triangles[1:])
+        with self.assertRaisesRegex(enamel.Error, "is not a solid"):
+            scene.compare_cut(scene.obstacles.index("gum"), vertices, triangles)
 
     def test_meshes_without_copies_and_out_of_their_scene(self):
         vertices, triangles = self.scene.mesh(0)

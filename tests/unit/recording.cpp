@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "enamel/collision/scene_file.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/runtime/replay.hpp"

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <regex>
 
+#include "enamel/collision/solid_file.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/runtime/recorder.hpp"
@@ -48,10 +49,11 @@ void writeBlock(const std::string& path) {
       << "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\nf 4 8 6\n";
 }
 
-// Forces on the tool, N, and removed volume, m^3.
+// Forces on the tool, N, removed volume, m^3, and what is left.
 struct Run {
   std::vector<double> forces;
   double removed = 0.0;
+  std::shared_ptr<const Solid> solid;
 };
 
 // A hand presses with 2 N; the bur spins from 0.2 s to 1.2 s.
@@ -95,6 +97,7 @@ Run record(const test::TemporaryFolder& folder, const std::string& path, int tic
     for (const double volume : drill.removed()) run.removed += volume;
   }
   REQUIRE(recorder.close().ticks == static_cast<std::uint64_t>(ticks));
+  run.solid = scene.solids[0];
   return run;
 }
 
@@ -115,6 +118,14 @@ TEST_CASE("what a bur has cut while it was recorded is cut again, and a browser 
   INFO(equal.output);
   REQUIRE(equal.status == 0);
   CHECK_THAT(equal.output, test::ContainsSubstring("1500 ticks compared, with the renderer's states"));
+
+  const std::string solid = folder / "cut.solid";
+  REQUIRE(test::run("replay '" + recording + "' --solid '" + solid + "'").status == 0);
+  const Solid left = loadSolid(solid);
+  REQUIRE(left.bricks() == run.solid->bricks());
+  for (int brick = 0; brick < left.bricks(); ++brick) CHECK(left.samples(brick) == run.solid->samples(brick));
+  const auto onto = test::run("replay '" + recording + "' --overwrite --solid '" + recording + "'");
+  CHECK_THAT(onto.output, test::ContainsSubstring("--solid must be another file than the recording"));
 
   const auto made = test::run("replay '" + recording + "' --html '" + page + "'");
   INFO(made.output);

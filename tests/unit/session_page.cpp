@@ -145,7 +145,11 @@ TEST_CASE("two tools drill a tooth", "[session_page]") {
   drill->spin(true);
   int bricks = 0, cuts = 0;
   double volume = 0.0;
-  const auto upload = [&](int, const BrickSamples&) { ++bricks; };
+  Solid cut = *drill->solid(id);
+  const auto upload = [&](int brick, const BrickSamples& samples) {
+    ++bricks;
+    cut.set(brick, samples);
+  };
   CHECK(eventually([&] {
     BrickChange change;
     while (drill->takeChange(id, change)) upload(change.brick, change.samples);
@@ -154,6 +158,7 @@ TEST_CASE("two tools drill a tooth", "[session_page]") {
     if (drill->snapshot().fault != GuardReason::none) drill->reset();  // the machine is busy
     return bricks > 0 && volume > 0.0;
   }));
+  CHECK(cut.volume()[0] < drill->solid(id)->volume()[0]);
   drill->replace(id, tooth);  // whole again
   CHECK(cuts > 0);
   CHECK(eventually([&] {

@@ -3,7 +3,6 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/nominal_device.hpp"
-#include "enamel/runtime/recording.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/wall_design.hpp"
 #include "json_matrices.hpp"

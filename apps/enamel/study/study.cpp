@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "enamel/runtime/recording.hpp"
+#include "enamel/core/file.hpp"
 #include "study/page.hpp"
 
 namespace enamel::app {

@@ -8,6 +8,7 @@
 #include "core/toml.hpp"
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/mesh_file.hpp"
+#include "enamel/collision/solid_file.hpp"
 #include "enamel/core/file.hpp"
 
 namespace enamel {
@@ -105,11 +106,14 @@ double readScale(TomlTable& table) {
   return scale * factor;
 }
 
-TriangleMesh readMeshFile(TomlTable& table, const std::string& sceneFile, double scale) {
+std::string readPath(TomlTable& table, const std::string& sceneFile) {
   const std::string file = table.text("file");
   if (file.empty()) table.fail("file", "is empty");
-  return loadMesh((std::filesystem::u8path(sceneFile).parent_path() / std::filesystem::u8path(file)).generic_u8string(),
-                  scale);
+  return (std::filesystem::u8path(sceneFile).parent_path() / std::filesystem::u8path(file)).generic_u8string();
+}
+
+TriangleMesh readMeshFile(TomlTable& table, const std::string& sceneFile, double scale) {
+  return loadMesh(readPath(table, sceneFile), scale);
 }
 
 Pose readPose(TomlTable& table) {
@@ -224,8 +228,15 @@ SolidLayer readLayer(TomlTable& table, const std::string& sceneFile, double scal
 
 Obstacle readSolid(TomlTable& table, const std::string& sceneFile, std::shared_ptr<Solid>& solid) {
   Obstacle obstacle;
-  const double scale = readScale(table);
   obstacle.pose = readPose(table);
+  if (const std::string path = readPath(table, sceneFile); std::filesystem::u8path(path).extension() == ".solid") {
+    for (const char* key : {"unit", "scale", "cell", "layer"})
+      if (table.has(key)) table.fail(key, "is part of the saved solid: remove it here");
+    solid = std::make_shared<Solid>(loadSolid(path));
+    obstacle.shape = std::shared_ptr<const Solid>(solid);
+    return obstacle;
+  }
+  const double scale = readScale(table);
   SolidOptions options;
   if (table.has("cell")) options.cell = length(table, "cell", Solid::kSmallestCell, kLargestSize);
   const MeshModel surface(readMeshFile(table, sceneFile, scale));
@@ -292,6 +303,14 @@ void addNotes(const Obstacle& obstacle, const Tool& tool, std::vector<std::strin
 Tool readTool(TomlTable& root) {
   Tool tool;
   if (!root.has("tool")) return tool;
+  if (root.isText("tool")) {
+    const std::string name = root.text("tool");
+    try {
+      return toolOf(name);
+    } catch (const Error& error) {
+      root.fail("tool", std::string("is ") + error.what());
+    }
+  }
   std::vector<TomlTable> tables = root.tables("tool");
   if (tables.empty() || tables.size() > kMaxToolParts)
     root.fail("tool", "has " + std::to_string(tables.size()) + " parts, must be 1 to " + std::to_string(kMaxToolParts));

@@ -17,10 +17,9 @@ using kernel::Inside;
 
 constexpr double kBorder = Solid::kBand + 1.0;                      // cells around the mesh
 constexpr double kHalfDiagonal = 0.8660254037844386 * kBrickCells;  // of a brick, cells
-constexpr double kMostBytes = 1e9, kMostPlaces = 1 << 22;
-constexpr double kLongestMove = 0.02, kLongestAxis = 0.1;  // m
-constexpr int kMostBricks = 4096;                          // limit of a cut; the rest is left
-constexpr double kSubstep = 0.5;                           // cells that an end moves between two positions of a capsule
+constexpr double kLongestMove = 0.02, kLongestAxis = 0.1;           // m
+constexpr int kMostBricks = 4096;                                   // limit of a cut; the rest is left
+constexpr double kSubstep = 0.5;  // cells that an end moves between two positions of a capsule
 constexpr int kSlice = kBrickSamples * kBrickSamples;
 
 // A row of nine samples as whole vectors: the last four lanes repeat three samples.
@@ -51,11 +50,7 @@ void checkLayers(const std::vector<SolidLayer>& layers) {
                 std::to_string(kMaxSolidLayers));
   double depth = 0.0;
   for (const SolidLayer& layer : layers) {
-    checkMaterial(layer.material, "layer \"" + layer.name + "\"");
-    checkTap(layer.tap, "layer \"" + layer.name + "\"");
-    if (!(layer.hardness > 0.0 && std::isfinite(layer.hardness)))
-      throw Error("layer \"" + layer.name + "\": hardness is " + formatNumber(layer.hardness) +
-                  ", must be greater than 0 Pa");
+    kernel::checkLayer(layer);
     if (layer.within != nullptr) {
       if (!Inside::of(*layer.within).closed)
         throw Error("layer \"" + layer.name + "\": the mesh where it begins must be closed");
@@ -70,6 +65,14 @@ void checkLayers(const std::vector<SolidLayer>& layers) {
 
 }  // namespace
 
+void kernel::checkLayer(const SolidLayer& layer) {
+  checkMaterial(layer.material, "layer \"" + layer.name + "\"");
+  checkTap(layer.tap, "layer \"" + layer.name + "\"");
+  if (!(layer.hardness > 0.0 && std::isfinite(layer.hardness)))
+    throw Error("layer \"" + layer.name + "\": hardness is " + formatNumber(layer.hardness) +
+                ", must be greater than 0 Pa");
+}
+
 Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, const SolidOptions& options)
     : cell_(options.cell), layers_(layers) {
   checkLayers(layers_);
@@ -77,8 +80,6 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
   if (!data.closed) throw Error("the mesh of a solid must be closed; this one has open edges");
   if (!(cell_ > 0.0 && std::isfinite(cell_)))
     throw Error("the cell of a solid is " + formatNumber(cell_) + " m, must be greater than 0 m");
-  if (options.undoBricks < 0)
-    throw Error("the room for undo is " + std::to_string(options.undoBricks) + " bricks, must be at least 0");
   origin_ = data.low - Vec3::Constant(kBorder * cell_);
   const Vec3 cells = (data.high - data.low) / cell_ + Vec3::Constant(2.0 * kBorder);
   const Vec3 along = (cells / kBrickCells).array().ceil();
@@ -86,7 +87,7 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
     throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too " + why + ", or check the unit of the mesh");
   };
   const char* const small = "small: the solid needs more than 1 GB; make them larger";
-  if (!(along.prod() <= kMostPlaces)) refuseCell(small);
+  if (!(along.prod() <= kernel::kMostSolidPlaces)) refuseCell(small);
   if (cell_ < kSmallestCell)
     throw Error("the cell of a solid is " + formatNumber(cell_) + " m, must be at least " +
                 formatNumber(kSmallestCell) + " m");
@@ -104,9 +105,11 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
         if (enamel::signedDistance(surface, centre, &cache).distance > least * cell_) continue;
         index_[at] = static_cast<std::int32_t>(places.size());
         places.push_back({x, y, z});
-        if (static_cast<double>(places.size()) * (sizeof(Brick) + sizeof(BrickSamples)) > kMostBytes) refuseCell(small);
+        if (static_cast<double>(places.size()) * (sizeof(Brick) + sizeof(BrickSamples)) > kernel::kMostSolidBytes)
+          refuseCell(small);
       }
   fill(surface, places);
+  prepare(options.undoBricks);
   if (std::none_of(hasSurface_.begin(), hasSurface_.end(), [](auto has) { return has != 0; })) {
     // A convex body contains a ball with this radius, and the ball a corner of such a cell.
     const MeshReport body = inspect(surface.mesh());
@@ -114,29 +117,26 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
                std::to_string(1e3 * std::abs(body.volume) / body.area) + " mm, its volume / area");
   }
   for (const Brick& brick : bricks_) original_.push_back(brick.samples);
-  kept_.resize(static_cast<std::size_t>(options.undoBricks));
+}
+
+// Find the surface and reserve memory.
+void Solid::prepare(int undoBricks) {
+  if (undoBricks < 0) throw Error("the room for undo is " + std::to_string(undoBricks) + " bricks, must be at least 0");
+  hasSurface_.resize(bricks_.size());
+  for (Brick& brick : bricks_) findSurface(brick);
+  kept_.resize(static_cast<std::size_t>(undoBricks));
   changed_.resize(bricks_.size());
 }
 
 void Solid::fill(const MeshModel& surface, const std::vector<std::array<int, 3>>& places) {
   bricks_.resize(places.size());
-  hasSurface_.resize(places.size());
   ProximityCache cache, layerCache;
   for (std::size_t b = 0; b < places.size(); ++b) {
     Brick& brick = bricks_[b];
     std::copy(places[b].begin(), places[b].end(), brick.place.begin());
     const Vec3 low = lowOf(static_cast<int>(b)), centre = low + Vec3::Constant(0.5 * kBrickCells * cell_);
     const Vec3 corner = kBrickCells * Vec3(places[b][0], places[b][1], places[b][2]);
-    const double atCentre = enamel::signedDistance(surface, centre, &cache).distance;
-    if (atCentre < -(kHalfDiagonal + kBand) * cell_) {
-      brick.samples.fill(-kBand);
-    } else {
-      forEachAlongPath(kBrickSamples, [&](int x, int y, int z) {
-        const Vec3 p = origin_ + cell_ * (corner + Vec3(x, y, z));  // the same bits from every brick that has it
-        const double distance = enamel::signedDistance(surface, p, &cache).distance;
-        brick.samples[sampleAt(x, y, z)] = std::clamp(static_cast<float>(distance / cell_), -kBand, kBand);
-      });
-    }
+    kernel::sampleMesh(surface, origin_, cell_, corner, cache, brick.samples);
     brick.layer.fill(0);
     for (std::size_t k = 1; k < layers_.size(); ++k) {
       const SolidLayer& layer = layers_[k];
@@ -150,7 +150,6 @@ void Solid::fill(const MeshModel& surface, const std::vector<std::array<int, 3>>
           brick.layer[cellAt(x, y, z)] = static_cast<std::uint8_t>(k);
       });
     }
-    findSurface(brick);
   }
 }
 
@@ -167,19 +166,32 @@ std::size_t Solid::bytes() const noexcept {
          changed_.size() * sizeof(changed_[0]);
 }
 
-// Each cell counts by its mean value. For a curved surface the errors of mean and rounding cancel out.
+void kernel::sampleMesh(const MeshModel& mesh, const Vec3& origin, double cell, const Vec3& corner,
+                        ProximityCache& cache, BrickSamples& samples) {
+  const Vec3 centre = origin + cell * (corner + Vec3::Constant(0.5 * kBrickCells));
+  const double atCentre = signedDistance(mesh, centre, &cache).distance, most = (kHalfDiagonal + Solid::kBand) * cell;
+  if (std::abs(atCentre) > most) return samples.fill(std::copysign(Solid::kBand, static_cast<float>(atCentre)));
+  forEachAlongPath(kBrickSamples, [&](int x, int y, int z) {
+    const Vec3 p = origin + cell * (corner + Vec3(x, y, z));  // the same bits from every brick that has it
+    const double distance = signedDistance(mesh, p, &cache).distance;
+    samples[sampleAt(x, y, z)] = std::clamp(static_cast<float>(distance / cell), -Solid::kBand, Solid::kBand);
+  });
+}
+
+// A cell counts by its mean value. For a curved surface the errors of mean and rounding cancel out.
+double kernel::filledShare(const BrickSamples& samples, int x, int y, int z) noexcept {
+  constexpr int up = kSlice, back = kBrickSamples;
+  const float* s = samples.data() + sampleAt(x, y, z);
+  return shareOf(0.125f * (s[0] + s[1] + s[back] + s[back + 1] + s[up] + s[up + 1] + s[up + back] + s[up + back + 1]));
+}
+
 RemovedVolume Solid::volume() const {
   RemovedVolume volume{};
-  constexpr int up = kSlice, back = kBrickSamples;
   for (const Brick& brick : bricks_)
     for (int z = 0; z < kBrickCells; ++z)
       for (int y = 0; y < kBrickCells; ++y)
-        for (int x = 0; x < kBrickCells; ++x) {
-          const float* s = brick.samples.data() + sampleAt(x, y, z);
-          const float mean =
-              0.125f * (s[0] + s[1] + s[back] + s[back + 1] + s[up] + s[up + 1] + s[up + back] + s[up + back + 1]);
-          volume[brick.layer[cellAt(x, y, z)]] += shareOf(mean) * cell_ * cell_ * cell_;
-        }
+        for (int x = 0; x < kBrickCells; ++x)
+          volume[brick.layer[cellAt(x, y, z)]] += kernel::filledShare(brick.samples, x, y, z) * cell_ * cell_ * cell_;
   return volume;
 }
 
@@ -376,7 +388,7 @@ bool Solid::undo() noexcept {
   const auto last = [&]() -> Kept& { return kept_[(keptBegin_ + keptCount_ - 1) % kept_.size()]; };
   if (keptCount_ == 0 || last().mark <= lostMark_) return false;
   for (const std::uint64_t mark = last().mark; keptCount_ > 0 && last().mark == mark; --keptCount_)
-    put(last().brick, last().samples);
+    set(last().brick, last().samples);
   ++mark_;
   ++restorations_;
   return true;
@@ -384,13 +396,13 @@ bool Solid::undo() noexcept {
 
 void Solid::restore() noexcept {
   for (std::size_t i = 0; i < bricks_.size(); ++i)
-    if (bricks_[i].samples != original_[i]) put(static_cast<std::int32_t>(i), original_[i]);
+    if (bricks_[i].samples != original_[i]) set(static_cast<std::int32_t>(i), original_[i]);
   keptCount_ = 0;
   ++mark_;
   ++restorations_;
 }
 
-void Solid::put(std::int32_t number, const BrickSamples& samples) noexcept {
+void Solid::set(int number, const BrickSamples& samples) noexcept {
   Brick& brick = bricks_[static_cast<std::size_t>(number)];
   brick.samples = samples;
   findSurface(brick);

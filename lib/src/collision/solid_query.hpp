@@ -9,6 +9,7 @@
 namespace enamel::kernel {
 
 inline constexpr int kMaxSolidMinima = 8;
+inline constexpr double kMostSolidBytes = 1e9, kMostSolidPlaces = 1 << 22;  // in memory; of bricks
 
 /// Local minima of the distance from a point, nearest first. Of minima within 30 deg only the nearest is kept.
 struct SolidMinima {
@@ -21,5 +22,15 @@ void findMinima(const Solid& solid, const Vec3& p, double reach, SolidMinima& mi
 
 /// Return the cells of a brick with corners on both sides: bit x + 8 y of entry z. Realtime: yes.
 std::array<std::uint64_t, kBrickCells> surfaceCells(const BrickSamples& samples) noexcept;
+
+/// Throw Error for a layer with a number out of range, except its depth.
+void checkLayer(const SolidLayer& layer);
+
+/// Sample the distance from a closed mesh for the brick with its corner `corner` cells from `origin`, as Solid does.
+void sampleMesh(const MeshModel& mesh, const Vec3& origin, double cell, const Vec3& corner, ProximityCache& cache,
+                BrickSamples& samples);
+
+/// Return the share of a cell that is inside, as Solid::volume() counts it.
+double filledShare(const BrickSamples& samples, int x, int y, int z) noexcept;
 
 }  // namespace enamel::kernel

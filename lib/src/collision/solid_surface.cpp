@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "solid_query.hpp"
+#include "tetrahedra.hpp"
 
 namespace enamel {
 namespace {
@@ -17,18 +18,6 @@ constexpr double kOff = 0.25;      // cells: a triangle's centre that is farther
 constexpr double kWithin = 0.05;   // least share of the triangle for each of the three parts
 constexpr int kRounds = 8;
 constexpr int kCornersOfCube = 8;  // bits x, y, z
-
-// From corner to opposite corner along the three axes in every order.
-struct Tetrahedron {
-  std::array<int, 4> corners;
-  bool isOdd;
-};
-constexpr std::array<Tetrahedron, 6> kTetrahedra = {{{{0, 1, 3, 7}, false},
-                                                     {{0, 2, 6, 7}, false},
-                                                     {{0, 4, 5, 7}, false},
-                                                     {{0, 2, 3, 7}, true},
-                                                     {{0, 4, 6, 7}, true},
-                                                     {{0, 1, 5, 7}, true}}};
 
 Vec3 towards(int corner) { return Vec3(corner & 1, corner >> 1 & 1, corner >> 2); }
 int strideTo(int corner) {
@@ -139,38 +128,14 @@ class Extraction {
   void addCell(int x, int y, int z) {
     at_ = {x, y, z};
     sample_ = sampleAt(at_);
-    for (const Tetrahedron& tetrahedron : kTetrahedra) add(tetrahedron);
+    kernel::addTriangles([this](int corner) { return isInside(corner); },
+                         [this](int from, int to) { return on(from, to); },
+                         [this](int a, int b, int c) { addTriangle(a, b, c); });
   }
 
   bool isInside(int corner) const {
     const int sample = sample_ + step_ * strideTo(corner);
     return samples_[static_cast<std::size_t>(sample)] < 0.0f;
-  }
-
-  void add(const Tetrahedron& tetrahedron) {
-    std::array<int, 4> c;  // corners inside first
-    int inside = 0, outside = 0;
-    bool isOdd = tetrahedron.isOdd;
-    std::array<int, 4> others;
-    for (const int corner : tetrahedron.corners) {
-      if (isInside(corner)) {
-        c[static_cast<std::size_t>(inside++)] = corner;
-        isOdd = isOdd != (outside % 2 != 0);
-      } else {
-        others[static_cast<std::size_t>(outside++)] = corner;
-      }
-    }
-    if (inside == 0 || outside == 0) return;
-    std::copy(others.begin(), others.begin() + outside, c.begin() + inside);
-    if (isOdd) inside == 1 ? std::swap(c[2], c[3]) : std::swap(c[0], c[1]);
-    if (inside == 1) {
-      addTriangle(on(c[0], c[1]), on(c[0], c[2]), on(c[0], c[3]));
-    } else if (inside == 3) {
-      addTriangle(on(c[3], c[0]), on(c[3], c[1]), on(c[3], c[2]));
-    } else {
-      addTriangle(on(c[0], c[2]), on(c[0], c[3]), on(c[1], c[3]));
-      addTriangle(on(c[0], c[2]), on(c[1], c[3]), on(c[1], c[2]));
-    }
   }
 
   void addTriangle(int a, int b, int c) {

@@ -1,6 +1,7 @@
 #include "enamel/core/file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -138,6 +139,20 @@ void FileWriter::close() {
   if (beside_.empty()) return;
   if (!system::replace(beside_, target_)) fail();
   beside_.clear();
+}
+
+std::uint32_t crc32(std::string_view bytes, std::uint32_t before) noexcept {
+  static const auto table = [] {
+    std::array<std::uint32_t, 256> t{};
+    for (std::uint32_t i = 0; i < 256; ++i) {
+      t[i] = i;
+      for (int bit = 0; bit < 8; ++bit) t[i] = (t[i] >> 1) ^ ((t[i] & 1) != 0 ? 0xedb88320u : 0u);
+    }
+    return t;
+  }();
+  std::uint32_t crc = ~before;
+  for (const char c : bytes) crc = (crc >> 8) ^ table[(crc ^ static_cast<unsigned char>(c)) & 0xff];
+  return ~crc;
 }
 
 void writeFile(const std::string& path, std::string_view bytes) {

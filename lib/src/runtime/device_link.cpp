@@ -6,7 +6,6 @@
 
 #include "core/message.hpp"
 #include "enamel/core/file.hpp"
-#include "enamel/runtime/recording.hpp"
 
 namespace enamel {
 namespace {

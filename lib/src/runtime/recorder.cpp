@@ -9,6 +9,7 @@
 
 #include "core/message.hpp"
 #include "core/system_file.hpp"
+#include "enamel/core/file.hpp"
 #include "recording_format.hpp"
 #include "runtime/system_thread.hpp"
 

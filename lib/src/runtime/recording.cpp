@@ -224,24 +224,6 @@ std::size_t readAt(int file, std::uint64_t at, char* bytes, std::size_t size, co
   return done;
 }
 
-}  // namespace
-
-std::uint32_t crc32(std::string_view bytes, std::uint32_t before) noexcept {
-  static const auto table = [] {
-    std::array<std::uint32_t, 256> t{};
-    for (std::uint32_t i = 0; i < 256; ++i) {
-      t[i] = i;
-      for (int bit = 0; bit < 8; ++bit) t[i] = (t[i] >> 1) ^ ((t[i] & 1) != 0 ? 0xedb88320u : 0u);
-    }
-    return t;
-  }();
-  std::uint32_t crc = ~before;
-  for (const char c : bytes) crc = (crc >> 8) ^ table[(crc ^ static_cast<unsigned char>(c)) & 0xff];
-  return ~crc;
-}
-
-namespace {
-
 std::uint32_t filesChecksum(const std::map<std::string, std::string>& parameters, const Scene& scene) {
   const std::uint32_t meshes = meshChecksum(scene);
   const auto gain = parameters.find("gain");

@@ -31,7 +31,8 @@ struct SceneFile {
 ///
 /// Keys of the file:
 /// - `name`, `start` [m], optional `max_force` [N];
-/// - optional list `tool` of capsules in the platform's frame: `from`, optional `to` (default: a sphere), `radius`;
+/// - optional `tool`: a name (toolOf()), or a list of capsules in the platform's frame: `from`, optional `to` (default:
+///   a sphere), `radius`;
 /// - optional table `bur`: the tool's `part` (default 0), `wear`, `turns` a second, `torque` [N m], `inertia` [kg m^2],
 ///   `drag`, `run_out` [m] and `blades` (defaults: those of Bur);
 /// - list `obstacle` of tables, each with `name`, `shape`, the keys of its shape, and optionally its material and a
@@ -54,7 +55,8 @@ struct SceneFile {
 ///   `scale` (default 1), `position` (of its origin) and `euler_deg`. With `thin = true` the mesh is a sheet with two
 ///   sides and no inside, with the key `thickness`.
 /// - "solid": the keys of a mesh without `thin` and `thickness`, optional `cell` (default 1e-4), and a list `layer` of
-///   tables. The mesh must be closed.
+///   tables. The mesh must be closed. If `file` ends in ".solid", it is a saved solid (loadSolid()); then only
+///   `position` and `euler_deg` are allowed.
 ///
 /// Keys of a layer: `name`, `hardness` [Pa], optionally its material, and `depth` (default 0) or `file`. `file` is a
 /// mesh in the same coordinates at whose surface the layer begins.

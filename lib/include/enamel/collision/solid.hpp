@@ -106,6 +106,9 @@ class Solid {
   /// Return the next changed brick and remove it from the list of changes; -1: the list is empty. Realtime: yes.
   int takeChanged() noexcept;
   const BrickSamples& samples(int brick) const noexcept { return bricks_[static_cast<std::size_t>(brick)].samples; }
+  /// Replace the samples of a brick by those of another solid with the same mesh and cells, to follow the cuts of
+  /// that solid (BrickChange). undo() does not restore them. Realtime: yes, 0.2 us.
+  void set(int brick, const BrickSamples& samples) noexcept;
   Vec3 lowOf(int brick) const noexcept;  ///< corner of the brick, m
   /// Return the brick at a point; -1: no brick is there. Realtime: yes.
   int brickAt(const Vec3& p) const noexcept;
@@ -115,6 +118,7 @@ class Solid {
   static constexpr float kBand = 2.5f;  ///< cells; larger distances are stored as this value
 
  private:
+  friend struct SolidFile;
   friend struct SolidQuery;
   struct Brick {
     BrickSamples samples;
@@ -132,15 +136,16 @@ class Solid {
   };
 
   std::int32_t brickAt(int x, int y, int z) const noexcept { return index_[(z * count_[1] + y) * count_[0] + x]; }
+  Solid() = default;  // for SolidFile
+  void prepare(int undoBricks);
   void fill(const MeshModel& surface, const std::vector<std::array<int, 3>>& places);
   void keep(Brick& brick) noexcept;
   void tellChanged(std::int32_t brick) noexcept;
   void findSurface(Brick& brick) noexcept;
-  void put(std::int32_t brick, const BrickSamples& samples) noexcept;
   int cutCapsule(const Segment& axis, double radius, RemovedVolume& removed) noexcept;
   void cutBrick(std::int32_t number, const Capsule& capsule, RemovedVolume& removed) noexcept;
 
-  double cell_;
+  double cell_ = 0.0;
   std::vector<SolidLayer> layers_;
   Vec3 origin_ = Vec3::Zero();
   std::array<int, 3> count_{};       // bricks along the axes

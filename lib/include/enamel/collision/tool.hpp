@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <string>
 
 #include "enamel/core/status.hpp"
 #include "enamel/core/types.hpp"
@@ -39,6 +40,18 @@ struct Bur {
 /// Largest distance of an end from the TCP along an axis, and largest radius, m. Larger values are probably
 /// millimetres, and such a tool would sweep through whole scenes in one tick.
 inline constexpr double kLargestTool = 1.0;
+
+/// Return a dental tool by its name. Its tip is at the TCP, its shaft is along z of P. Part 0 is the head, also of a
+/// Bur. D is the largest diameter of the head in 0.1 mm (three digits, as in ISO 6360), 003 to 100.
+/// - "round-D": a ball.
+/// - "cylinder-D-L": a cylinder with a round end. L is its length in 0.1 mm (three digits), at least D.
+/// - "bur-245": a cylinder with round ends in place of the pear of a bur 245.
+/// - "cpi-probe": the WHO probe, a ball of 0.5 mm on a thin rod.
+/// - "explorer": a straight point in steps.
+///
+/// lib/docs/preparation.md shows all dimensions, their sources, and what is approximate. Throws Error for another name.
+/// Realtime: no.
+Tool toolOf(const std::string& name);
 
 /// Return whether queries accept a tool. Statuses: ok; notFinite; outOfRange. outOfRange means a count outside 0 to
 /// kMaxToolParts, an end farther away than kLargestTool, or a radius outside 0 to kLargestTool. Realtime: yes.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -26,6 +27,9 @@ void checkNesting(std::string_view text, const std::string& file);
 
 /// Return the text of a JSON file after readFile() and checkNesting(). Realtime: no.
 std::string readJson(const std::string& path);
+
+/// Return the CRC-32 (IEEE 802.3) of `bytes`. `before` is the CRC-32 of the preceding bytes. Realtime: yes.
+std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0) noexcept;
 
 /// Writes a file atomically through a temporary file in the same folder. A reader finds the old content or all of the
 /// new content. close() puts the new file in place. Without close() the temporary file is deleted; a process that is

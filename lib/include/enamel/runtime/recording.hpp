@@ -47,9 +47,6 @@ bool filesHaveChanged(const RecordingHeader& header, const Scene& scene);
 /// Return the CRC-32 of corners and triangles of all meshes of a scene; 0 without meshes. Realtime: no.
 std::uint32_t meshChecksum(const Scene& scene);
 
-/// Return the CRC-32 (IEEE 802.3) of `bytes`. `before` is the CRC-32 of the preceding bytes. Realtime: yes.
-std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0) noexcept;
-
 /// A recorded tick.
 struct RecordedTick {
   std::uint64_t number = 0;     ///< counted by the loop; missed ticks leave gaps

@@ -1,0 +1,105 @@
+// Tools by name: their dimensions follow from their numbers, and they are what a scene file and queries use.
+#include "enamel/collision/tool.hpp"
+
+#include <string>
+
+#include "enamel/collision/contacts.hpp"
+#include "enamel/collision/scene_file.hpp"
+#include "enamel/core/error.hpp"
+#include "support/catch.hpp"
+
+namespace enamel::test_tool {
+
+namespace {
+
+std::string digits(int number) {
+  const std::string text = std::to_string(number);
+  return std::string(3 - text.size(), '0') + text;
+}
+
+double lowOf(const ToolPart& part) { return std::min(part.a.z(), part.b.z()) - part.radius; }
+double highOf(const ToolPart& part) { return std::max(part.a.z(), part.b.z()) + part.radius; }
+
+bool isSame(const Tool& a, const Tool& b) {
+  if (a.count != b.count) return false;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(a.count); ++i)
+    if (a.parts[i].a != b.parts[i].a || a.parts[i].b != b.parts[i].b || a.parts[i].radius != b.parts[i].radius)
+      return false;
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("tools by name: the number of a bur is the diameter of its head", "[unit]") {
+  for (int size = 3; size <= 100; ++size) {
+    const Tool tool = toolOf("round-" + digits(size));
+    CAPTURE(size);
+    REQUIRE(checkTool(tool) == Status::ok);
+    CHECK(tool.parts[0].radius == Approx(0.5e-4 * size));
+    CHECK((tool.parts[0].a - tool.parts[0].b).norm() < 1e-15);  // a ball
+    CHECK(std::abs(lowOf(tool.parts[0])) < 1e-15);              // its lowest point is the TCP
+    // Neck and shank do not reach below the head, and no gap is between them.
+    for (std::size_t i = 1; i < static_cast<std::size_t>(tool.count); ++i) {
+      CHECK(lowOf(tool.parts[i]) > 0.0);
+      CHECK(lowOf(tool.parts[i]) < highOf(tool.parts[i - 1]));
+      CHECK(highOf(tool.parts[i]) > highOf(tool.parts[i - 1]));
+    }
+    CHECK(tool.parts[1].radius <= tool.parts[0].radius);
+    CHECK(tool.parts[2].radius == 0.8e-3);
+  }
+  const Tool cylinder = toolOf("cylinder-012-080");
+  CHECK(cylinder.parts[0].radius == Approx(0.6e-3));
+  CHECK(std::abs(lowOf(cylinder.parts[0])) < 1e-15);
+  CHECK(highOf(cylinder.parts[0]) == Approx(8e-3));
+  CHECK(isSame(toolOf("cylinder-014-014"), toolOf("round-014")));
+  CHECK(isSame(toolOf("cylinder-008-030"), toolOf("bur-245")));
+  const Tool probe = toolOf("cpi-probe");
+  CHECK(probe.parts[0].radius == 0.25e-3);
+  CHECK(std::abs(lowOf(probe.parts[0])) < 1e-15);
+  CHECK(highOf(probe.parts[1]) > 11.5e-3);  // its last mark
+  for (const char* name : {"cpi-probe", "explorer", "bur-245"}) CHECK(checkTool(toolOf(name)) == Status::ok);
+}
+
+TEST_CASE("tools by name: a tool touches a wall with its tip, and a second wall with its side", "[unit]") {
+  Scene scene;
+  scene.add(halfSpace("floor", Vec3::Zero(), Vec3::UnitZ()));
+  scene.add(halfSpace("side", Vec3(3e-3, 0.0, 0.0), -Vec3::UnitX()));
+  for (const char* name : {"round-010", "cylinder-012-080", "bur-245", "cpi-probe", "explorer"}) {
+    INFO(name);
+    const Tool tool = toolOf(name);
+    Pose pose;
+    pose.position.z() = 0.5e-3;
+    ContactSnapshot contacts;
+    REQUIRE(findContacts(scene, tool, pose, 1e-3, nullptr, contacts) == Status::ok);
+    REQUIRE(contacts.count >= 1);
+    CHECK(contacts.contacts[0].part == 0);
+    CHECK(contacts.contacts[0].gap == Approx(0.5e-3));
+    double widest = 0.0;
+    for (int i = 0; i < tool.count; ++i) widest = std::max(widest, tool.parts[static_cast<std::size_t>(i)].radius);
+    pose.position.z() = 0.1;
+    CHECK(nearestContact(scene, tool, pose, nullptr).gap == Approx(3e-3 - widest));
+  }
+}
+
+TEST_CASE("tools by name: in a scene file, and names that are refused", "[unit]") {
+  const auto scene = [](const std::string& tool) {
+    return parseScene("name = \"a\"\nstart = [0.0, 0.0, 0.01]\ntool = " + tool +
+                          "\n[bur]\n[[obstacle]]\nname = \"wall\"\nshape = \"half_space\"\npoint = [0.0, 0.0, 0.0]\n"
+                          "normal = [0.0, 0.0, 1.0]\n",
+                      "a.toml");
+  };
+  const SceneFile file = scene("\"round-014\"");
+  CHECK(isSame(file.tool, toolOf("round-014")));
+  REQUIRE(file.bur);
+  CHECK(file.bur->part == 0);
+  CHECK_THROWS_WITH(scene("\"round\""), test::ContainsSubstring("a.toml:3") && test::ContainsSubstring("tool") &&
+                                            test::ContainsSubstring("\"round\" is not a tool"));
+  for (const char* name : {"", "round", "round-", "round-2", "round-002", "round-101", "round-0100", "round-01x",
+                           "Round-010", "round-010 ", "cylinder-010", "cylinder-010-009", "cylinder-010-201",
+                           "cylinder-010x030", "cylinder-010-30", "245", "probe"}) {
+    INFO(name);
+    CHECK_THROWS_WITH(toolOf(name), test::ContainsSubstring(std::string("\"") + name + "\" is not a tool"));
+  }
+}
+
+}  // namespace enamel::test_tool
