@@ -63,6 +63,8 @@ TEST_CASE("a scene says what it is made of and what a tick of it costs, a broken
                                "mm), hysteresis 2 s/m\n"));
   CHECK_THAT(caries.output, ContainsSubstring("layer of 1.7 mm, hysteresis 2 s/m, breaks at 3 N\n"));
   CHECK_THAT(test::run("scene " + scenes + "taps.toml").output, ContainsSubstring("a tap rings at 310 Hz"));
+  CHECK_THAT(test::run("scene " + scenes + "guides.toml").output,
+             ContainsSubstring("guide        half space, 100 N/m, at most 1.5 N"));
   const test::CommandResult none = test::run("scene " + (folder / "none.toml"));
   CHECK(none.status == 1);
   CHECK_THAT(none.output, ContainsSubstring("none.toml") && ContainsSubstring("obstacle"));

@@ -59,7 +59,7 @@ Vec3 Guidance::step(const std::vector<Guide>& guides, TickFrame& frame) noexcept
   if (frame.age > 0) return last;
   double sum = 0.0;
   for (const Guide& guide : guides) sum += guide.stiffness;
-  const double share = std::min(1.0, largestStiffness() / sum) / scale_;  // the force at the hand is scale times ours
+  const double share = std::min(largestStiffness() / sum, 1.0) / scale_;  // the force at the hand is scale times ours
   const double elapsed = frame.time - s.time;
   const Vec3& now = frame.kinematics.pose.position;
   if (s.started != 0.0 && elapsed > 0.0 && elapsed <= kGuideGap)

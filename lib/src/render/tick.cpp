@@ -138,9 +138,10 @@ Status HapticTick::render(Status status) noexcept {
 
 // Share of the rendered torque that the guard lets pass.
 double HapticTick::share() const noexcept {
-  const JointVector &gravity = frame_.kinematics.gravity, rendered = frame_.output.torque - gravity;
+  const JointVector &gravity = frame_.kinematics.gravity, rendered = frame_.output.torque - gravity,
+                    commanded = frame_.command - gravity;
   const double square = rendered.squaredNorm();
-  return square > 0.0 ? (frame_.command - gravity).dot(rendered) / square : 0.0;
+  return square > 0.0 ? commanded.dot(rendered) / square : 0.0;
 }
 
 // Force of the command on the tool, without effect and guides, W, N.
