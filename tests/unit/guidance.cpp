@@ -344,7 +344,7 @@ TEST_CASE("guidance: stored energy that returns is no fault, energy of a late fo
     }
     return std::pair(GuardReason::none, most);
   };
-  // Back from 20 mm the plane gives 50 mJ, of which the guard permits 2.3 mJ to other forces.
+  // Back from 20 mm the plane gives 50 mJ. The guard permits 2.3 mJ to other forces.
   for (const int delay : {0, 1, 2, 3}) {
     const auto [fault, most] = run(1.0, 0.02, delay);
     CHECK(fault == GuardReason::none);
@@ -516,7 +516,8 @@ TEST_CASE("guidance: the page has the limit of every device file", "[guidance]")
     char row[100];
     std::snprintf(row, sizeof row, "\n| %s | %.0f | %.0f |", entry.path().filename().string().c_str(), 1e3 * mass,
                   limit);
-    CHECK_THAT(page, ContainsSubstring(row));
+    INFO(row);
+    CHECK(page.find(row) != std::string::npos);
     ++devices;
   }
   CHECK(devices >= 12);

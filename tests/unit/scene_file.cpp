@@ -310,7 +310,7 @@ TEST_CASE("scene files: guides are read", "[scene]") {
   CHECK((offset(4) - Vec3(0.0, 0.25, 0.0)).norm() < 1e-15);  // 0.2 m along x after the turn, 0.1 m along y
   for (const auto& [keys, message] :
        {std::pair{std::string("shape = \"ball\"\n"),
-                  "s.toml:8: guide[0].shape: is \"ball\", must be \"line\", \"plane\", \"half_space\" or \"box\""},
+                  "s.toml:9: guide[0].shape: is \"ball\", must be \"line\", \"plane\", \"half_space\" or \"box\""},
         {"shape = \"line\"\npoints = 3\n" + force, "points: is an integer, must be a list of points of 3 numbers"},
         {"shape = \"line\"\npoints = [[0, 0]]\n" + force, "points[0]: has 2 elements, must be a list of 3 numbers"},
         {"shape = \"line\"\npoints = [[0, 0, 0], [0, 9, 0]]\n" + force, "points[1][1]: is 9, must be in -1 to 1 m"},

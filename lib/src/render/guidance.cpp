@@ -10,13 +10,13 @@
 namespace enamel {
 namespace {
 
-// With these, the linear loop is stable with 0.6 of the mass or more at delays of up to 3 ticks, and damps motions of
-// the hand below 36 Hz at 1 kHz (lib/docs/guides.md, tests/unit/guidance.cpp).
+// With these numbers, the linear loop is stable with 0.6 of the mass or more at delays of up to 3 ticks. It damps
+// motions of the hand below 36 Hz at 1 kHz (lib/docs/guides.md, tests/unit/guidance.cpp).
 constexpr double kLead = 10.0;       // damping over stiffness, periods
 constexpr double kSmoothing = 0.4;   // gain per sample of the filter for the velocity
 constexpr double kGuidePhase = 0.1;  // largest sqrt(k / m), 1/periods
-constexpr double kLargestGain =
-    6.0;  // of the law over its spring, at any frequency: 1 + 2 kLead kSmoothing / (2 - kSmoothing)
+// Of the law over its spring, at any frequency: that at half the rate of the ticks, 6.
+constexpr double kLargestGain = 1.0 + 2.0 * kLead * kSmoothing / (2.0 - kSmoothing);
 constexpr double kGuideRamp = 0.1;  // s
 constexpr double kGuideGap = 0.1;   // s: after a longer time between samples the velocity is unknown
 

@@ -19,8 +19,7 @@ struct Polyline {
 /// The plane z = 0 of its frame.
 struct Plane {};
 
-/// Where the TCP shall be: on a line or a plane, on the side z >= 0 of a half space's boundary, in a box, or within the
-/// radius of a line.
+/// Where the TCP shall be: on a line or within its radius, on a plane, in a box. For a half space: above it, at z >= 0.
 using GuideShape = std::variant<Polyline, Plane, HalfSpace, Box>;
 
 /// A force on the TCP towards the nearest point of a shape. Guidance (enamel/render/guidance.hpp) has its law.
