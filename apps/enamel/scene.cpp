@@ -68,6 +68,8 @@ std::string suspensionText(const Suspension& s) {
   return text;
 }
 
+constexpr const char* kGuides[] = {"line", "plane", "half space", "box"};  // in the order of GuideShape
+
 void printCost(const std::string& name, const Scene& scene, const SceneFile& file) {
   constexpr int kTicks = 5000;
   constexpr double kReach = 5e-3;  // m
@@ -115,6 +117,10 @@ void run(const SceneOptions& options) {
     if (obstacle.tap.frequency > 0.0) fmt::print("{:<12} a tap rings at {:.3g} Hz\n", "", obstacle.tap.frequency);
     if (obstacle.suspension) fmt::print("{:<12} {}\n", "", suspensionText(*obstacle.suspension));
   }
+  if (const auto& guides = file.scene.guides())
+    for (const Guide& guide : *guides)
+      fmt::print("{:<12} {}, {:.4g} N/m, at most {:.3g} N\n", "guide", kGuides[guide.shape.index()], guide.stiffness,
+                 guide.maxForce);
   if (file.bur) fmt::print("{:<12} part {} of the tool cuts\n", "bur", file.bur->part);
   for (const std::string& note : file.notes) fmt::print("note: {}\n", note);
   if (options.explain) explain(file, seconds);

@@ -21,6 +21,7 @@ namespace Enamel
     public enum EnamelCondition { ENAMEL_FORCES_CUT = 1, ENAMEL_UNCALIBRATED = 2 }
     public enum EnamelFailure { ENAMEL_FAILED = 100, ENAMEL_NULL = 101, ENAMEL_SIZE = 102, ENAMEL_NOTHING = 103, ENAMEL_STOPPED = 104 }
     public enum EnamelShape { ENAMEL_HALF_SPACE = 0, ENAMEL_BOX = 1, ENAMEL_SPHERE = 2, ENAMEL_CAPSULE = 3, ENAMEL_MESH = 4, ENAMEL_SOLID = 5 }
+    public enum EnamelGuideShape { ENAMEL_GUIDE_LINE = 0, ENAMEL_GUIDE_PLANE = 1, ENAMEL_GUIDE_HALF_SPACE = 2, ENAMEL_GUIDE_BOX = 3 }
     public enum EnamelEventKind { ENAMEL_CONTACT_BEGIN = 0, ENAMEL_CONTACT_END = 1, ENAMEL_GUARD_STOP = 2, ENAMEL_CUT = 3, ENAMEL_MISSED = 4, ENAMEL_DEVICE_LOST = 5, ENAMEL_DEVICE_BACK = 6, ENAMEL_RECORDING_END = 7, ENAMEL_UNUSUAL_SIZE = 8 }
 
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
@@ -286,6 +287,19 @@ namespace Enamel
     }
 
     [StructLayout(LayoutKind.Sequential)]
+    public struct EnamelGuide
+    {
+        public int shape;
+        public int reserved;
+        public EnamelPose pose;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] dimensions;
+        public IntPtr points;
+        public UIntPtr point_count;
+        public double stiffness;
+        public double max_force;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
     public struct EnamelSnapshot
     {
         public uint size;
@@ -428,6 +442,9 @@ namespace Enamel
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_take_surface(IntPtr session, EnamelObstacle obstacle, ref EnamelSurface surface);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_set_guides(IntPtr session, EnamelGuide[] guides, UIntPtr guide_count);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_set_tool(IntPtr session, IntPtr tool, IntPtr bur);

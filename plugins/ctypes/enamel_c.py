@@ -57,6 +57,11 @@ ENAMEL_CAPSULE = 3
 ENAMEL_MESH = 4
 ENAMEL_SOLID = 5
 
+ENAMEL_GUIDE_LINE = 0
+ENAMEL_GUIDE_PLANE = 1
+ENAMEL_GUIDE_HALF_SPACE = 2
+ENAMEL_GUIDE_BOX = 3
+
 ENAMEL_CONTACT_BEGIN = 0
 ENAMEL_CONTACT_END = 1
 ENAMEL_GUARD_STOP = 2
@@ -415,6 +420,19 @@ class EnamelSurface(Structure):
     ]
 
 
+class EnamelGuide(Structure):
+    _fields_ = [
+        ("shape", c_int32),
+        ("reserved", c_int32),
+        ("pose", EnamelPose),
+        ("dimensions", (c_double * 3)),
+        ("points", POINTER(c_double)),
+        ("point_count", c_size_t),
+        ("stiffness", c_double),
+        ("max_force", c_double),
+    ]
+
+
 class EnamelSnapshot(Structure):
     _fields_ = [
         ("size", c_uint32),
@@ -502,6 +520,7 @@ _FUNCTIONS = {
     "enamel_restore": (c_int32, [c_void_p, EnamelObstacle]),
     "enamel_solid_bricks": (c_int32, [c_void_p, EnamelObstacle, POINTER(c_int32)]),
     "enamel_take_surface": (c_int32, [c_void_p, EnamelObstacle, POINTER(EnamelSurface)]),
+    "enamel_set_guides": (c_int32, [c_void_p, POINTER(EnamelGuide), c_size_t]),
     "enamel_set_tool": (c_int32, [c_void_p, POINTER(EnamelTool), POINTER(EnamelBur)]),
     "enamel_set_renderer": (c_int32, [c_void_p, c_char_p, POINTER(EnamelParameter), c_size_t]),
     "enamel_set_own_renderer": (c_int32, [c_void_p, POINTER(EnamelPlugin), POINTER(EnamelParameter), c_size_t]),

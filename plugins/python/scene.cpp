@@ -89,6 +89,13 @@ const Obstacle& obstacleAt(const SceneFile& file, int obstacle) {
   return file.scene.obstacles()[slot];
 }
 
+void addGuide(SceneFile& file, GuideShape shape, const Pose& pose, double stiffness, double maxForce) {
+  std::vector<Guide> guides;
+  if (file.scene.guides()) guides = *file.scene.guides();
+  guides.push_back({std::move(shape), pose, stiffness, maxForce});
+  file.scene.setGuides(std::move(guides));
+}
+
 struct MeshOptions {
   Array position = Array(3, Vec3(Vec3::Zero()).data());
   std::optional<Array> rotation;
@@ -254,6 +261,45 @@ void addObstacles(SceneClass& scene) {
           "at "
           "`centre` (m). The other arguments have six numbers: along x, y, z (kg, N/m, N s/m), then about them. Raises "
           "Error if a number is not valid.");
+}
+
+void addGuides(SceneClass& scene) {
+  scene
+      .def(
+          "add_line_guide",
+          [](SceneFile& self, const Array& points, double stiffness, double maxForce, double radius) {
+            requireShape(points, "points", {-1, 3}, "m");
+            Polyline line{{}, radius};
+            for (py::ssize_t i = 0; i < points.shape(0); ++i)
+              line.points.emplace_back(Eigen::Map<const Vec3>(points.data() + 3 * i));
+            addGuide(self, std::move(line), {}, stiffness, maxForce);
+          },
+          py::arg("points"), py::arg("stiffness"), py::arg("max_force"), py::arg("radius") = 0.0,
+          "Pull the TCP to the line through `points` (n, 3), m, or within `radius` (m) of it: with `stiffness` (N/m), "
+          "and at most `max_force` (N). Raises Error if a number is not valid.")
+      .def(
+          "add_plane_guide",
+          [](SceneFile& self, const Array& point, const Array& normal, double stiffness, double maxForce,
+             bool oneSided) {
+            const Vec3 n = vec3(normal, "normal", "of any length");
+            if (!(n.norm() > 0.0) || !n.allFinite())
+              throw py::value_error("the length of normal is zero or not finite: it must define a direction");
+            GuideShape shape = Plane{};
+            if (oneSided) shape = HalfSpace{};
+            addGuide(self, shape, {vec3(point, "point", "m"), frameAlong(n.normalized())}, stiffness, maxForce);
+          },
+          py::arg("point"), py::arg("normal"), py::arg("stiffness"), py::arg("max_force"), py::arg("one_sided") = false,
+          "Pull the TCP to the plane through `point` (m, W) with the normal `normal`. With `one_sided`, keep it on the "
+          "side to which the normal points. Raises Error if a number is not valid.")
+      .def(
+          "add_box_guide",
+          [](SceneFile& self, const Array& centre, const Array& size, double stiffness, double maxForce,
+             const std::optional<Array>& rotation) {
+            addGuide(self, Box{0.5 * vec3(size, "size", "m")}, poseOf(centre, rotation), stiffness, maxForce);
+          },
+          py::arg("centre"), py::arg("size"), py::arg("stiffness"), py::arg("max_force"),
+          py::arg("rotation") = py::none(),
+          "Keep the TCP in a box about `centre` with edges of `size`, m. Raises Error if a number is not valid.");
 }
 
 void addMeshObstacle(SceneClass& scene) {
@@ -459,6 +505,7 @@ void addScene(py::module_& m) {
           "sphere; with a radius of 0 it is a point. A name is also possible: round-010 is a ball bur of 1 mm, further "
           "ones are in tool.hpp. Raises Error for more than 8 parts, an end or radius above 1 m, or another name.");
   addObstacles(scene);
+  addGuides(scene);
   addMeshObstacle(scene);
   addMeshes(scene);
   addSolids(scene);

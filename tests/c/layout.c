@@ -241,6 +241,15 @@ CHECK(at_EnamelSurface_vertex_capacity, offsetof(EnamelSurface, vertex_capacity)
 CHECK(at_EnamelSurface_triangle_capacity, offsetof(EnamelSurface, triangle_capacity), 48);
 CHECK(at_EnamelSurface_vertex_count, offsetof(EnamelSurface, vertex_count), 56);
 CHECK(at_EnamelSurface_triangle_count, offsetof(EnamelSurface, triangle_count), 64);
+CHECK(size_EnamelGuide, sizeof(EnamelGuide), 160);
+CHECK(at_EnamelGuide_shape, offsetof(EnamelGuide, shape), 0);
+CHECK(at_EnamelGuide_reserved, offsetof(EnamelGuide, reserved), 4);
+CHECK(at_EnamelGuide_pose, offsetof(EnamelGuide, pose), 8);
+CHECK(at_EnamelGuide_dimensions, offsetof(EnamelGuide, dimensions), 104);
+CHECK(at_EnamelGuide_points, offsetof(EnamelGuide, points), 128);
+CHECK(at_EnamelGuide_point_count, offsetof(EnamelGuide, point_count), 136);
+CHECK(at_EnamelGuide_stiffness, offsetof(EnamelGuide, stiffness), 144);
+CHECK(at_EnamelGuide_max_force, offsetof(EnamelGuide, max_force), 152);
 CHECK(size_EnamelSnapshot, sizeof(EnamelSnapshot), 1640);
 CHECK(at_EnamelSnapshot_size, offsetof(EnamelSnapshot, size), 0);
 CHECK(at_EnamelSnapshot_joints, offsetof(EnamelSnapshot, joints), 4);

@@ -286,8 +286,8 @@ class CSharp:
             kinds = []
             for a in arguments:
                 kind = a.base if a.base in h.callbacks else self.parameter(a)
-                if kind == "ref EnamelParameter":
-                    kind = "EnamelParameter[]"
+                if kind in ("ref EnamelParameter", "ref EnamelGuide"):
+                    kind = kind[4:] + "[]"
                 if name == "enamel_set_tool" and a.pointers:
                     kind = "IntPtr"  # the bur may be missing
                 kinds.append("%s %s" % (kind, self.name(a)))

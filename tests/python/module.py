@@ -136,6 +136,15 @@ class Scenes(unittest.TestCase):
             scene.set_tap(box, tap=(5, 90))
         with self.assertRaisesRegex(enamel.Error, "no obstacle 7"):
             scene.set_tap(7, "metal")
+        scene.add_line_guide([[0, 0, 0], [0, 0.01, 0]], 200, 1.0, radius=1e-3)
+        scene.add_plane_guide((0, 0, 0), (0, 0, 2), 100, 1.0, one_sided=True)
+        scene.add_box_guide((0, 0, 0), (1, 1, 1), stiffness=100, max_force=1.0)
+        with self.assertRaisesRegex(enamel.Error, "guide 3: the largest force is -1"):
+            scene.add_plane_guide((0, 0, 0), (0, 0, 2), 100, -1.0)
+        with self.assertRaisesRegex(ValueError, "length of normal is zero"):
+            scene.add_plane_guide((0, 0, 0), (0, 0, 0), 100, 1.0)
+        with self.assertRaisesRegex(enamel.Error, "guide 3: the line has 0 points"):
+            scene.add_line_guide(np.zeros((0, 3)), 200, 1.0)
         with self.assertRaisesRegex(enamel.Error, "ball"):
             scene.add_sphere("ball", (0, 0, 1), 0.25)
         with self.assertRaisesRegex(enamel.Error, "is not a mesh"):

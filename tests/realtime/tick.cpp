@@ -133,6 +133,39 @@ TEST_CASE("taps with transients allocate nothing", "[tick]") {
   }
 }
 
+TEST_CASE("guides allocate nothing, also when a scene with others comes", "[tick]") {
+  const TauMechanism device(test::nominal());
+  Scene scene = flatWall(), other = scene;
+  const Guide line{Polyline{{{-0.01, 0.0, 0.0}, {0.01, 0.0, 0.0}, {0.01, 0.01, 0.0}}}, {}, 200.0, 1.0},
+      plane{Plane{}, {}, 200.0, 1.0}, wall{HalfSpace{}, {}, 200.0, 1.0}, box{Box{{1e-5, 1e-5, 1e-5}}, {}, 200.0, 1.0};
+  scene.setGuides({line, plane, wall, box});
+  other.setGuides({box});
+  ImpedanceRenderer spring({6000.0, 0.0});
+  HapticTick tick(device, scene, Tool(), spring, 1e-3);
+  TickScene next(other, Tool());
+  std::vector<double> state(tick.stateSize() / sizeof(double) + 1);
+  Measurement m;
+  Command command;
+  Kinematics k;
+  int pulls = 0;
+  const long before = test::allocationCount();
+  for (int i = 0; i < 2000; ++i) {
+    Pose pose;
+    pose.position = {0.0, 1e-3 * std::sin(0.01 * i), 1e-3 * std::cos(0.01 * i)};
+    if (device.reach(pose, Vec6::Zero(), false, k) != Status::ok) continue;
+    m.time = 1e-3 * i;
+    m.q = k.q;
+    m.rates = k.rates;
+    if (tick(m, command) != Status::ok) tick.reset();
+    pulls += wrenchOf(k, command.effort - k.gravity).head<3>().norm() > 0.01;
+    tick.saveState(state.data());
+    tick.loadState(state.data());
+    if (i % 500 == 499) tick.exchange(next);
+  }
+  CHECK(test::allocationCount() == before);
+  CHECK(pulls > 1000);
+}
+
 TEST_CASE("a loop on the virtual device allocates nothing", "[realtime]") {
   const TauMechanism device(test::nominal());
   HoldRenderer hold = test::holdRenderer();

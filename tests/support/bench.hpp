@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/impedance.hpp"
@@ -28,6 +29,7 @@ struct Bench {
     bool encoders = false;
     Vec3 start{0.0, 0.0, 2e-3};
     Tool tool = {};
+    std::vector<Guide> guides = {};
   };
 
   explicit Bench(const Setting& s) {
@@ -44,6 +46,7 @@ struct Bench {
     else
       renderer = std::make_unique<PositionControlRenderer>(positionControlFor(*mechanism, kTick, s.delay, s.delay));
     scene.add(s.obstacle);
+    scene.setGuides(s.guides);
     haptics = std::make_unique<HapticTick>(*mechanism, scene, s.tool, *renderer, kTick, setup.start);
     loop = std::make_unique<LoopBody>(*virtualDevice, *haptics, HapticLoopOptions{});
   }
@@ -97,8 +100,9 @@ inline constexpr BenchDevice kBenchDevices[] = {
 struct HeldForce {
   double change = 0.0, force = 0.0;  // of the renderer in a tick, and its force, N
 };
-inline HeldForce holdAfterPress(const BenchDevice& device, const Obstacle& obstacle, int delay, int ticks) {
-  Bench bench({device.file, device.plant, obstacle, delay, false, true});
+inline HeldForce holdAfterPress(const BenchDevice& device, const Obstacle& obstacle, int delay, int ticks,
+                                const std::vector<Guide>& guides = {}) {
+  Bench bench({device.file, device.plant, obstacle, delay, false, true, {0.0, 0.0, 2e-3}, {}, guides});
   double before = 0.0;
   HeldForce result;
   for (int i = 0; i < ticks; ++i) {

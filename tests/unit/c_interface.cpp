@@ -229,6 +229,57 @@ TEST_CASE("an own tooth in Python and C#, by the commands of the page", "[c]") {
              ContainsSubstring("contact begins"));
 }
 
+TEST_CASE("guides of C reach the ticks", "[c]") {
+  EnamelSessionDef def = defaults();
+  const EnamelMechanism mechanism = cartesian();
+  def.mechanism = &mechanism;
+  Handle session(def);
+  const double points[] = {-0.1, 0.0, 0.02, 0.1, 0.0, 0.02};
+  EnamelGuide guides[2] = {};
+  for (EnamelGuide& guide : guides) {
+    guide.pose.rotation[0] = guide.pose.rotation[4] = guide.pose.rotation[8] = 1.0;
+    guide.stiffness = 100.0;
+    guide.max_force = 1.0;
+  }
+  EnamelMeasurement measurement{};
+  measurement.size = sizeof measurement;
+  measurement.enabled = 1;
+  const auto force = [&](EnamelGuideShape shape) {
+    guides[0].shape = shape;
+    REQUIRE(enamel_set_guides(session, guides, 1) == ENAMEL_OK);
+    double effort[ENAMEL_MAX_JOINTS] = {};
+    for (int i = 0; i < 200; ++i) {
+      measurement.time += 1e-3;
+      REQUIRE(enamel_tick(session, &measurement, effort) == ENAMEL_OK);
+    }
+    return Vec3(effort[0], effort[1], effort[2]);
+  };
+  guides[0].points = points;
+  guides[0].point_count = 2;
+  CHECK((force(ENAMEL_GUIDE_LINE) - Vec3(0.0, 0.0, 1.0)).norm() < 1e-9);  // 2 N by the spring
+  guides[0].dimensions[0] = 0.015;
+  CHECK((force(ENAMEL_GUIDE_LINE) - Vec3(0.0, 0.0, 0.5)).norm() < 1e-9);
+  guides[0].pose.position[2] = 5e-3;
+  CHECK((force(ENAMEL_GUIDE_PLANE) - Vec3(0.0, 0.0, 0.5)).norm() < 1e-9);
+  CHECK((force(ENAMEL_GUIDE_HALF_SPACE) - Vec3(0.0, 0.0, 0.5)).norm() < 1e-9);
+  for (double& half : guides[0].dimensions) half = 2e-3;
+  CHECK((force(ENAMEL_GUIDE_BOX) - Vec3(0.0, 0.0, 0.3)).norm() < 1e-9);
+  guides[1].shape = 7;
+  CHECK(enamel_set_guides(session, guides, 2) == ENAMEL_FAILED);
+  CHECK_THAT(session.message(), ContainsSubstring("EnamelGuide.shape is 7, must be an EnamelGuideShape, 0 to 3"));
+  guides[1].shape = ENAMEL_GUIDE_LINE;
+  CHECK(enamel_set_guides(session, guides, 2) == ENAMEL_FAILED);
+  CHECK_THAT(session.message(), ContainsSubstring("guide 1: the line has 0 points"));
+  guides[1].points = points;
+  guides[1].point_count = 65;
+  CHECK(enamel_set_guides(session, guides, 2) == ENAMEL_FAILED);
+  CHECK_THAT(session.message(), ContainsSubstring("guide 1: the line has 65 points"));
+  CHECK(enamel_set_guides(session, guides, 9) == ENAMEL_FAILED);
+  CHECK_THAT(session.message(), ContainsSubstring("there are 9 guides, must be at most 8"));
+  CHECK(enamel_set_guides(session, nullptr, 1) == ENAMEL_NULL);
+  CHECK(enamel_set_guides(session, nullptr, 0) == ENAMEL_OK);
+}
+
 TEST_CASE("the stored binary interface is that of the header", "[c]") {
   CHECK(outputOf("python3 " + kClients + "layout.py --check").empty());
   CHECK(enamel_version() == ENAMEL_VERSION_MAJOR * 65536 + ENAMEL_VERSION_MINOR * 256 + ENAMEL_VERSION_PATCH);
@@ -266,6 +317,7 @@ TEST_CASE("NULL and wrong sizes are errors of every function", "[c]") {
                                     enamel_activate(nullptr, id, 1),
                                     enamel_move_vertices(nullptr, id, &flag, numbers, 1),
                                     enamel_restore(nullptr, id),
+                                    enamel_set_guides(nullptr, nullptr, 0),
                                     enamel_set_tool(nullptr, nullptr, nullptr),
                                     enamel_set_renderer(nullptr, "hold", nullptr, 0),
                                     enamel_set_own_renderer(nullptr, nullptr, nullptr, 0),

@@ -86,7 +86,7 @@ std::size_t lineOf(const std::string& text, const std::string& example) {
 TEST_CASE("the page of files names the keys that the readers ask for, and no others", "[files_page]") {
   std::set<std::string> asked, named;
   const std::regex call(
-      R"re((?:text|number|integer|boolean|vector3|vector6|matrix3|numbers|tables?|has|position|length|read|readLink|refuseTurn)\((?:[\w\[\]]+, )?"([a-z0-9_]+)")re");
+      R"re((?:text|number|integer|boolean|vector3|vector6|matrix3|numbers|points|tables?|has|position|direction|length|read|readLink|refuseTurn)\((?:[\w\[\]]+, )?"([a-z0-9_]+)")re");
   const std::regex entry(R"re(\{"([a-z_]+)", "[^"]*", &)re");
   std::vector<std::string> sources = {"collision/scene_file.cpp", "device/read.cpp"};
   for (const char* kind : {"tau", "delta", "cartesian"})

@@ -65,6 +65,8 @@ TEST_CASE("a scene says what it is made of and what a tick of it costs, a broken
   CHECK_THAT(test::run("scene " + scenes + "taps.toml").output, ContainsSubstring("a tap rings at 310 Hz"));
   CHECK_THAT(test::run("scene " + scenes + "surfaces.toml").output,
              ContainsSubstring("rigid, friction 0.2, rough: 6 um, waves up to 0.3 mm"));
+  CHECK_THAT(test::run("scene " + scenes + "guides.toml").output,
+             ContainsSubstring("guide        half space, 100 N/m, at most 1.5 N"));
   const test::CommandResult none = test::run("scene " + (folder / "none.toml"));
   CHECK(none.status == 1);
   CHECK_THAT(none.output, ContainsSubstring("none.toml") && ContainsSubstring("obstacle"));

@@ -312,6 +312,54 @@ TEST_CASE("scene files: taps are read", "[scene]") {
     CHECK_THROWS_WITH(with(keys), test::ContainsSubstring(message));
 }
 
+TEST_CASE("scene files: guides are read", "[scene]") {
+  const auto with = [](const std::string& keys) {
+    return parseScene(
+        "name = \"a\"\nstart = [0, 0, 0.1]\n[[obstacle]]\nname = \"b\"\nshape = \"sphere\"\n"
+        "centre = [0, 0, 0]\nradius = 0.01\n" +
+            keys,
+        "s.toml");
+  };
+  const std::string force = "stiffness = 200\nmax_force = 1.5\n",
+                    plane = "point = [0, 0, 0.02]\nnormal = [0, 2, 0]\n" + force;
+  CHECK(with("").scene.guides() == nullptr);
+  const SceneFile file = with(
+      "[[guide]]\nshape = \"line\"\npoints = [[0, 0, 0], [0.1, 0, 0]]\n" + force +
+      "[[guide]]\nshape = \"line\"\npoints = [[0.1, 0, 0]]\nradius = 0.05\n" + force +
+      "[[guide]]\nshape = \"plane\"\n" + plane + "[[guide]]\nshape = \"half_space\"\n" + plane +
+      "[[guide]]\nshape = \"box\"\ncentre = [0, 0, 0.1]\nsize = [0.1, 0.2, 0.3]\neuler_deg = [0, 0, 90]\n" + force);
+  REQUIRE(file.scene.guides() != nullptr);
+  const std::vector<Guide>& guides = *file.scene.guides();
+  REQUIRE(guides.size() == 5);
+  for (const Guide& guide : guides) CHECK((guide.stiffness == 200.0 && guide.maxForce == 1.5));
+  const Vec3 p(0.05, 0.3, 0.02);
+  const auto offset = [&](std::size_t i) { return errorOf(guides[i], p, Vec3::Zero()).offset; };
+  CHECK((offset(0) - Vec3(0.0, 0.3, 0.02)).norm() < 1e-15);
+  const Vec3 fromBall = p - Vec3(0.1, 0.0, 0.0);
+  CHECK((offset(1) - (fromBall - 0.05 * fromBall.normalized())).norm() < 1e-15);
+  CHECK((offset(2) - Vec3(0.0, 0.3, 0.0)).norm() < 1e-15);
+  CHECK(offset(3).isZero(0.0));                              // on the side of the normal
+  CHECK((offset(4) - Vec3(0.0, 0.25, 0.0)).norm() < 1e-15);  // 0.2 m along x after the turn, 0.1 m along y
+  for (const auto& [keys, message] :
+       {std::pair{std::string("shape = \"ball\"\n"),
+                  "s.toml:9: guide[0].shape: is \"ball\", must be \"line\", \"plane\", \"half_space\" or \"box\""},
+        {"shape = \"line\"\npoints = 3\n" + force, "points: is an integer, must be a list of points of 3 numbers"},
+        {"shape = \"line\"\npoints = [[0, 0]]\n" + force, "points[0]: has 2 elements, must be a list of 3 numbers"},
+        {"shape = \"line\"\npoints = [[0, 0, 0], [0, 9, 0]]\n" + force, "points[1][1]: is 9, must be in -1 to 1 m"},
+        {"shape = \"line\"\npoints = []\n" + force, "points: is not valid: the line has 0 points, must have 1 to 64"},
+        {"shape = \"line\"\npoints = [[0, 0, 0], [0, 0, 0]]\n" + force, "points 0 and 1 of the line are equal"},
+        {"shape = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 0]\n" + force, "normal: has the length 0"},
+        {"shape = \"plane\"\nradius = 1\n" + plane, "guide[0].radius: is not a known key"},
+        {"shape = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nstiffness = -1\nmax_force = 1\n",
+         "stiffness: is -1, must be in 0 to 1e+05 N/m"},
+        {"shape = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nstiffness = 1\nmax_force = 101\n",
+         "max_force: is 101, must be in 0 to 100 N"}})
+    CHECK_THROWS_WITH(with("[[guide]]\n" + keys), test::ContainsSubstring(message));
+  std::string nine;
+  for (int i = 0; i < 9; ++i) nine += "[[guide]]\nshape = \"plane\"\n" + plane;
+  CHECK_THROWS_WITH(with(nine), test::ContainsSubstring("guide: the scene has 9 guides, must have at most 8"));
+}
+
 TEST_CASE("scene files: what is refused, and how", "[scene]") {
   requireRefused("name = \"test\"\n", "", "scene.toml:1: name: is missing");
   requireRefused("name = \"test\"", "platform = {}",

@@ -416,6 +416,43 @@ TEST_CASE("a session sets the tap of an obstacle", "[session]") {
   CHECK_THROWS_WITH(session.setTap(id, {5.0, 90.0}), ContainsSubstring("a frequency of 10 to 1000 Hz"));
 }
 
+TEST_CASE("a session sets guides, which ramp in and replace the ones before", "[session]") {
+  Session session(definition());
+  VirtualDevice device(session.mechanism(), Bench::setupOf(session));
+  const auto forceAfter = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) test::tickOnce(session, device, 0.0);
+    return session.snapshot().wrench.z();
+  };
+  const double height = session.start().position.z();
+  const auto plane = [&](double force) {
+    return Guide{Plane{}, {{0.0, 0.0, height + 0.1}, Mat3::Identity()}, 500.0, force};
+  };
+  CHECK(std::abs(forceAfter(2)) < 1e-9);
+  session.setGuides({plane(1.0)});
+  CHECK(std::abs(forceAfter(2)) < 0.1);
+  const double pulls = forceAfter(120);
+  CHECK(pulls == Approx(1.0).margin(0.1));  // the hand moves the tool
+  SessionObstacle ball;
+  ball.name = "ball";
+  ball.shape = Sphere{1e-3};
+  ball.pose.position = {0.0, 0.0, -0.2};
+  (void)session.add(ball);  // does not begin the ramp again
+  CHECK(forceAfter(2) == Approx(pulls).margin(0.1));
+  session.setGuides({plane(0.5)});
+  CHECK(std::abs(forceAfter(2)) < 0.1);
+  session.setGuides({});
+  CHECK(std::abs(forceAfter(2)) < 1e-9);
+  CHECK_THROWS_WITH(session.setGuides({plane(-1.0)}), ContainsSubstring("guide 0: the largest force is -1"));
+
+  SessionDef stiff = definition();
+  stiff.scene = std::string(ENAMEL_SOURCE_DIR) + "/data/scenes/guides.toml";
+  stiff.device = std::string(ENAMEL_SOURCE_DIR) + "/data/devices/touch-x.toml";
+  const Session light(stiff);
+  REQUIRE(light.notes().size() == 1);
+  CHECK(light.notes()[0] ==
+        "guides: their stiffnesses add up to 400 N/m and are reduced by one factor: the device permits 350 N/m");
+}
+
 TEST_CASE("a bur that comes after spin() spins", "[session]") {
   test::TwoBurs burs({0.0, 0.0, 20e-3});
   Session& session = *burs.first;

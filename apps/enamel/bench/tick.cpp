@@ -235,6 +235,23 @@ void addRough(const Mechanism& mechanism, int ticks, const GuardOptions& guarded
                 {{"smooth wall", &smooth}, {"rough wall", &rough}}, rows);
 }
 
+// Compare a tick at a wall with one at the same wall with eight guides, one of them a line of 64 corners.
+void addGuides(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
+               const std::vector<std::pair<const char*, Renderer*>>& renderers, std::vector<Measurement>& rows) {
+  const Scene plain = flatWall();
+  Scene guided = plain, line = plain;
+  Polyline round;
+  for (std::size_t i = 0; i < kMaxGuidePoints; ++i)
+    round.points.emplace_back(5e-3 * std::cos(0.1 * static_cast<double>(i)),
+                              5e-3 * std::sin(0.1 * static_cast<double>(i)), 0.0);
+  std::vector<Guide> guides = {{round, {}, 200.0, 1.0}};
+  line.setGuides(guides);
+  guides.resize(kMaxGuides, {Plane{}, {}, 50.0, 1.0});
+  guided.setGuides(guides);
+  compareScenes(mechanism, pathThroughTheWall(mechanism, ticks, 5e-5, -1e-4), guarded, renderers,
+                {{"wall", &plain}, {"wall and a line of 64 corners", &line}, {"wall and 8 guides", &guided}}, rows);
+}
+
 // The measurements and their common inputs.
 struct TickBench {
   std::shared_ptr<const TauMechanism> mechanism;
@@ -422,6 +439,7 @@ std::vector<Measurement> measureTick(double scale) {
   addBlocks(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}}, bench.rows);
   addTaps(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}}, bench.rows);
   addRough(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}}, bench.rows);
+  addGuides(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}}, bench.rows);
   addRecording(bench, servo);
   addPush(bench, hold, std::max(10, static_cast<int>(100 * scale)));
   return std::move(bench.rows);

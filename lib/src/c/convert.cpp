@@ -90,6 +90,37 @@ SessionObstacle obstacleOf(const EnamelObstacleDef& given) {
   return obstacle;
 }
 
+std::vector<Guide> guidesOf(const EnamelGuide* guides, std::size_t count) {
+  require(count <= kMaxGuides,
+          "there are " + std::to_string(count) + " guides, must be at most " + std::to_string(kMaxGuides));
+  std::vector<Guide> result;
+  for (std::size_t i = 0; i < count; ++i) {
+    const EnamelGuide& in = guides[i];
+    const double* d = in.dimensions;
+    Guide& guide = result.emplace_back();
+    switch (in.shape) {
+      case ENAMEL_GUIDE_LINE: {
+        const std::size_t points = in.points == nullptr ? 0 : in.point_count;
+        require(points <= kMaxGuidePoints, "guide " + std::to_string(i) + ": the line has " + std::to_string(points) +
+                                               " points, must have 1 to " + std::to_string(kMaxGuidePoints));
+        Polyline line{{}, d[0]};
+        for (std::size_t p = 0; p < points; ++p) line.points.emplace_back(Eigen::Map<const Vec3>(in.points + 3 * p));
+        guide.shape = std::move(line);
+        break;
+      }
+      case ENAMEL_GUIDE_PLANE: guide.shape = Plane{}; break;
+      case ENAMEL_GUIDE_HALF_SPACE: guide.shape = HalfSpace{}; break;
+      case ENAMEL_GUIDE_BOX: guide.shape = Box{Eigen::Map<const Vec3>(d)}; break;
+      default:
+        throw Error("EnamelGuide.shape is " + std::to_string(in.shape) + ", must be an EnamelGuideShape, 0 to 3");
+    }
+    guide.pose = poseOf(in.pose);
+    guide.stiffness = in.stiffness;
+    guide.maxForce = in.max_force;
+  }
+  return result;
+}
+
 std::map<std::string, std::string> parametersOf(const EnamelParameter* parameters, std::size_t count) {
   require(parameters != nullptr || count == 0, "the list of parameters is NULL");
   std::map<std::string, std::string> result;

@@ -48,6 +48,7 @@ void toPlain(const SessionEvent& in, EnamelEvent& out) noexcept;
 Tool toolOf(const EnamelTool& tool);
 Bur burOf(const EnamelBur& bur);
 SessionObstacle obstacleOf(const EnamelObstacleDef& def);
+std::vector<Guide> guidesOf(const EnamelGuide* guides, std::size_t count);
 std::map<std::string, std::string> parametersOf(const EnamelParameter* parameters, std::size_t count);
 
 /// Fill in the triangles of a brick. Return false if no brick has changed. Throw Error as above.

@@ -317,6 +317,11 @@ std::int32_t enamel_restore(EnamelSession* session, EnamelObstacle obstacle) {
   return run(session, [&](Session& s) { s.restore(idOf(obstacle)); });
 }
 
+std::int32_t enamel_set_guides(EnamelSession* session, const EnamelGuide* guides, std::size_t guide_count) {
+  return runWith(session, guides != nullptr || guide_count == 0,
+                 [&](Session& s) { s.setGuides(c::guidesOf(guides, guide_count)); });
+}
+
 std::int32_t enamel_set_tool(EnamelSession* session, const EnamelTool* tool, const EnamelBur* bur) {
   return runWith(session, tool != nullptr, [&](Session& s) {
     std::optional<Bur> cutting;

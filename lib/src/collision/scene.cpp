@@ -110,6 +110,14 @@ Status Scene::move(int obstacle, const Pose& pose, const Vec6& twist) noexcept {
   return Status::ok;
 }
 
+void Scene::setGuides(std::vector<Guide> guides) {
+  if (guides.size() > kMaxGuides)
+    throw Error("the scene has " + std::to_string(guides.size()) + " guides, must have at most " +
+                std::to_string(kMaxGuides));
+  for (std::size_t i = 0; i < guides.size(); ++i) checkGuide(guides[i], "guide " + std::to_string(i));
+  guides_ = guides.empty() ? nullptr : std::make_shared<const std::vector<Guide>>(std::move(guides));
+}
+
 bool isSameObstacle(const Scene& before, const Scene& now, std::size_t number) noexcept {
   if (number >= before.obstacles().size() || number >= now.obstacles().size()) return false;
   const Obstacle& a = before.obstacles()[number];

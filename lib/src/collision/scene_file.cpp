@@ -55,17 +55,23 @@ Mat3 rotation(TomlTable& table) {
   return rotationFromEuler(angles * (M_PI / 180.0));
 }
 
-Obstacle readHalfSpace(TomlTable& table) {
-  const Vec3 point = position(table, "point");
-  const Vec3 normal = table.vector3("normal");
-  const double size = normal.stableNorm();
+Vec3 direction(TomlTable& table, const char* key) {
+  const Vec3 value = table.vector3(key);
+  const double size = value.stableNorm();
   if (!(size > 1e-6 && size < 1e6))
-    table.fail("normal", "has the length " + formatNumber(size) + ", must be in 1e-06 to 1e+06 to define a direction");
-  return halfSpace("", point, normal / size);
+    table.fail(key, "has the length " + formatNumber(size) + ", must be in 1e-06 to 1e+06 to define a direction");
+  return value / size;
 }
 
-Obstacle readBox(TomlTable& table) {
-  Obstacle box;
+Obstacle readHalfSpace(TomlTable& table) {
+  const Vec3 point = position(table, "point");
+  return halfSpace("", point, direction(table, "normal"));
+}
+
+// A box, of an obstacle or a guide.
+template <typename Placed>
+Placed readBox(TomlTable& table) {
+  Placed box;
   box.pose.position = position(table, "centre");
   const Vec3 size = table.vector3("size");
   requireWithin(table, "size", size, kSmallestSize, kLargestSize, "m");
@@ -260,7 +266,7 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
   if (shape == "half_space")
     obstacle = readHalfSpace(table);
   else if (shape == "box")
-    obstacle = readBox(table);
+    obstacle = readBox<Obstacle>(table);
   else if (shape == "sphere")
     obstacle = readSphere(table);
   else if (shape == "capsule")
@@ -278,6 +284,49 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
   obstacle.suspension = readSuspension(table);
   table.finish();
   return obstacle;
+}
+
+Polyline readLine(TomlTable& table) {
+  Polyline line;
+  line.points = table.points("points");
+  for (std::size_t i = 0; i < line.points.size(); ++i)
+    requireWithin(table, ("points[" + std::to_string(i) + "]").c_str(), line.points[i], -kLargestPosition,
+                  kLargestPosition, "m");
+  if (table.has("radius")) line.radius = length(table, "radius", 0.0, kLargestSize);
+  return line;
+}
+
+Guide readGuide(TomlTable& table) {
+  const std::string shape = table.text("shape");
+  Guide guide;
+  if (shape == "line") {
+    guide.shape = readLine(table);
+  } else if (shape == "plane" || shape == "half_space") {
+    guide.pose.position = position(table, "point");
+    guide.pose.rotation = frameAlong(direction(table, "normal"));
+    if (shape == "plane")
+      guide.shape = Plane{};
+    else
+      guide.shape = HalfSpace{};
+  } else if (shape == "box") {
+    guide = readBox<Guide>(table);
+  } else {
+    table.fail("shape", "is \"" + shape + "\", must be \"line\", \"plane\", \"half_space\" or \"box\"");
+  }
+  const auto read = [&table](const char* key, double high, const char* unit, double& value) {
+    value = table.number(key);
+    if (!(value >= 0.0 && value <= high))
+      table.fail(key, "is " + formatNumber(value) + ", must be in 0 to " + formatNumber(high) + " " + unit);
+  };
+  read("stiffness", kLargestGuideStiffness, "N/m", guide.stiffness);
+  read("max_force", kLargestGuideForce, "N", guide.maxForce);
+  try {
+    checkGuide(guide, "is not valid");
+  } catch (const Error& error) {
+    table.fail("points", error.what());
+  }
+  table.finish();
+  return guide;
 }
 
 // Note three problems: a mesh without a certain inside, a size that suggests another unit, cells larger than the tool.
@@ -402,6 +451,14 @@ SceneFile parseScene(std::string_view text, const std::string& file, SpareCapaci
         table.fail("name", "is \"" + obstacle.name + "\", which is also the name of another obstacle");
     addNotes(obstacle, result.tool, result.notes);
     result.scene.add(std::move(obstacle));
+  }
+  std::vector<Guide> guides;
+  if (root.has("guide"))
+    for (TomlTable& table : root.tables("guide")) guides.push_back(readGuide(table));
+  try {
+    result.scene.setGuides(std::move(guides));
+  } catch (const Error& error) {
+    root.fail("guide", error.what());
   }
   root.finish();
   const Contact nearest = nearestContact(result.scene, result.tool, {result.start, Mat3::Identity()}, nullptr);

@@ -163,6 +163,15 @@ std::vector<double> TomlTable::numbers(std::string_view key) {
   return values;
 }
 
+std::vector<Vec3> TomlTable::points(std::string_view key) {
+  const toml::node& node = require(key);
+  if (!node.is_array()) fail(key, "is " + nameOfType(node) + ", must be a list of points of 3 numbers");
+  std::vector<Vec3> values(node.as_array()->size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    asNumbers((*node.as_array())[i], std::string(key) + "[" + std::to_string(i) + "]", values[i].data(), 3);
+  return values;
+}
+
 Mat3 TomlTable::matrix3(std::string_view key) {
   const toml::node& node = require(key);
   const toml::array* rows = node.as_array();

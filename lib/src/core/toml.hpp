@@ -57,6 +57,7 @@ class TomlTable {
   Vec3 vector3(std::string_view key);
   Vec6 vector6(std::string_view key);
   std::vector<double> numbers(std::string_view key);  ///< any length
+  std::vector<Vec3> points(std::string_view key);     ///< a list of lists of 3 numbers
   /// Read a 3 x 3 matrix, given by its rows or by its diagonal as a list of three numbers.
   Mat3 matrix3(std::string_view key);
   TomlTable table(std::string_view key);

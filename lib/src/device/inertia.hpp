@@ -16,6 +16,10 @@ inline bool factorInertia(const JointMatrix& inertia, Cholesky<kMaxJoints>& fact
   return factor.factor(A, n);
 }
 
+/// Return J M^-1 J^T, the acceleration of the platform at the TCP by each unit wrench. `kinematics` must contain the
+/// inertia of a mechanism. Realtime: yes.
+Mat6 inverseInertiaOf(const Kinematics& kinematics) noexcept;
+
 /// Return the eigenvalues of a symmetric matrix in ascending order.
 Vec3 eigenvaluesOf(const Mat3& matrix) noexcept;
 

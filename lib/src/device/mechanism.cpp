@@ -96,6 +96,18 @@ double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, 
   return force;
 }
 
+Mat6 inverseInertiaOf(const Kinematics& kinematics) noexcept {
+  Cholesky<kMaxJoints> inertia;  // positive definite for every mechanism
+  factorInertia(kinematics.inertia, inertia);
+  Mat6 inverse;
+  for (int i = 0; i < 6; ++i) {
+    JointVector acceleration = torqueOf(kinematics.jacobian, Vec6::Unit(i));
+    inertia.solve(acceleration.data());
+    inverse.col(i) = twistOf(kinematics.jacobian, acceleration);
+  }
+  return inverse;
+}
+
 Vec3 eigenvaluesOf(const Mat3& matrix) noexcept {
   return Eigen::SelfAdjointEigenSolver<Mat3>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
 }

@@ -338,8 +338,7 @@ GuardReason Guard::judged(const Measurement& m, Status status, bool known, doubl
   if (status != Status::ok || !isSize(requested, n_) || !eachWithin(requested, kLargestTorque))
     return GuardReason::renderer;
   if (s.started) {
-    if (const GuardReason found = m.age == 0 ? moved(m, frame.kinematics) : GuardReason::none;
-        found != GuardReason::none)
+    if (const GuardReason found = m.age == 0 ? moved(m, frame) : GuardReason::none; found != GuardReason::none)
       return found;
     const double missed = std::max(0.0, std::round(elapsed / options_.period) - 1.0) + (m.age > 0 ? 1.0 : 0.0);
     s.missed += missed - kForgottenMisses * s.missed;

@@ -194,7 +194,8 @@ double Guard::workOnLinks(const Row& torque, const Row& step, double elapsed, Ac
 }
 
 // Add the work of a torque since the last sample to its account. Returns the force of the torque at the TCP, N.
-double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque, Account& account) const noexcept {
+double Guard::book(const Measurement& m, const TickFrame& frame, const Row& torque, Account& account) const noexcept {
+  const Kinematics& k = frame.kinematics;
   const State& s = state_;
   const GuardOptions& o = options_;
   const double elapsed = m.time - s.sampleTime;
@@ -220,6 +221,7 @@ double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque,
   if (peak > kLeastForce) {
     if (damped_) work -= way.dot(o.damping * way) / elapsed;
     work -= wrench.head<3>().dot(s.surface) * elapsed;
+    work -= way.head<3>().dot(frame.guided);
     account.energy += work;
   }
   if (account.energy > 0.0) account.energy = std::max(0.0, account.energy - o.power * elapsed);
@@ -229,7 +231,8 @@ double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque,
 }
 
 // Check workspace, speed and energy of the motion since the last sample, and store its twist.
-GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
+GuardReason Guard::moved(const Measurement& m, const TickFrame& frame) noexcept {
+  const Kinematics& k = frame.kinematics;
   State& s = state_;
   const GuardOptions& o = options_;
   const double elapsed = m.time - s.sampleTime;
@@ -255,8 +258,8 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
       ignoredJoint_ = unlikely;
     }
   }
-  double force = book(m, k, commanded, s.commanded);
-  if (s.reports) force = std::max(force, book(m, k, reported, s.reported));
+  double force = book(m, frame, commanded, s.commanded);
+  if (s.reports) force = std::max(force, book(m, frame, reported, s.reported));
   s.peak = std::max(s.peak, force);
   if (!(s.peak <= kLargestEnergy)) s.peak = 0.0;  // meaningless numbers
 

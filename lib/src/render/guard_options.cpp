@@ -70,14 +70,7 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   o.torque = device.limits().effort;
   o.slew = o.torque * (2.0 / 0.5e-3);
   o.encoderStep = device.limits().encoderStep;
-  Cholesky<kMaxJoints> inertia;  // positive definite for every mechanism
-  factorInertia(home.inertia, inertia);
-  Mat6 inverseInertia;
-  for (int i = 0; i < 6; ++i) {
-    JointVector acceleration = torqueOf(home.jacobian, Vec6::Unit(i));
-    inertia.solve(acceleration.data());
-    inverseInertia.col(i) = twistOf(home.jacobian, acceleration);
-  }
+  const Mat6 inverseInertia = inverseInertiaOf(home);
   // The largest eigenvalues: 1 / least mass, and 1 / least moment of inertia.
   o.brake = 0.05 / (period * eigenvaluesOf(inverseInertia.topLeftCorner<3, 3>())[2]);
   const double turning = eigenvaluesOf(inverseInertia.bottomRightCorner<3, 3>())[2];

@@ -32,7 +32,11 @@ std::size_t frameSize(int joints) noexcept { return 18 + 16 * static_cast<std::s
 
 HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer,
                        const GuardOptions& guard, const Pose& start)
-    : mechanism_(mechanism), scene_(scene, tool), renderer_(&renderer), guard_(mechanism, guard) {
+    : mechanism_(mechanism),
+      scene_(scene, tool),
+      renderer_(&renderer),
+      guard_(mechanism, guard),
+      guidance_(mechanism, guard.period) {
   placeAt(start);
   frame_.maxTorque = guard.on ? guard.torque : mechanism.limits().effort;
   frame_.output.torque.setZero(mechanism.joints());
@@ -78,6 +82,7 @@ Status HapticTick::tick(const Measurement& measurement) noexcept {
   status = render(status);
   guard_.step(measurement, status, frame_);
   if (scene_.hasTaps() && status == Status::ok) tap_.sent(frame_);
+  if (hasGuides()) guidance_.sent(status == Status::ok ? share() : 0.0);
   const bool isStopped = guard_.fault() != GuardReason::none;
   scene_.motion().scaleForces(status == Status::ok ? frame_.age / (frame_.age + 1.0) : 0.0);
   if (status == Status::ok && frame_.yield.isAny) react();
@@ -86,6 +91,7 @@ Status HapticTick::tick(const Measurement& measurement) noexcept {
   if (guard_.options().on && !isStopped && !guard_.engaged()) {
     renderer_->reset();
     tap_.reset();
+    guidance_.reset();
   }
   return status == Status::ok && isStopped ? Status::stopped : status;
 }
@@ -134,19 +140,31 @@ Status HapticTick::render(Status status) noexcept {
     frame_.output = TickOutput{};
     frame_.output.torque.setZero(mechanism_.joints());
   }
-  if (status == Status::ok && !effect_.isZero(0.0))
-    frame_.output.torque += torqueOf(frame_.kinematics.jacobian, effect_);
+  added_ = effect_;
+  if (status == Status::ok && hasGuides()) added_.head<3>() += guidance_.step(*scene_.scene().guides(), frame_);
+  if (status == Status::ok && !added_.isZero(0.0)) frame_.output.torque += torqueOf(frame_.kinematics.jacobian, added_);
   return status;
 }
 
-// The force that acts on the tool, without the effect, acts on the obstacles. The renderer's forces say how it divides
+// Share of the rendered torque that the guard lets pass.
+double HapticTick::share() const noexcept {
+  const JointVector &gravity = frame_.kinematics.gravity, rendered = frame_.output.torque - gravity,
+                    commanded = frame_.command - gravity;
+  const double square = rendered.squaredNorm();
+  return square > 0.0 ? commanded.dot(rendered) / square : 0.0;
+}
+
+// Force of the command on the tool, without effect and guides, W, N.
+Vec3 HapticTick::wallForce() const noexcept {
+  const Kinematics& k = frame_.kinematics;
+  return wrenchOf(k, frame_.command - k.gravity).head<3>() - share() * added_.head<3>();
+}
+
+// The force of the walls on the tool acts on the obstacles. The renderer's forces say how it divides
 // between the contacts. Ticks without a sample count until the next sample, by their mean.
 void HapticTick::react() noexcept {
-  const Kinematics& k = frame_.kinematics;
   const TickOutput& output = frame_.output;
-  const JointVector rendered = output.torque - k.gravity, commanded = frame_.command - k.gravity;
-  const double square = rendered.squaredNorm(), acts = square > 0.0 ? commanded.dot(rendered) / square : 0.0;
-  Vec3 rest = wrenchOf(k, commanded).head<3>() - acts * effect_.head<3>();  // not yet given to a contact
+  Vec3 rest = wallForce();  // not yet given to a contact
   double sum = 0.0;
   for (int i = 0; i < frame_.contacts.count; ++i) {
     sum += output.normalForces[static_cast<std::size_t>(i)];
@@ -169,10 +187,8 @@ void HapticTick::cut(double elapsed, bool isStopped) noexcept {
   if (drill_ == nullptr) return;
   if (isStopped) return drill_->lift();
   Vec3 force = Vec3::Zero();  // of the wall on the tool, W, N
-  const Kinematics& k = frame_.kinematics;
-  if (frame_.output.mode == RenderMode::contact)
-    force = mechanism_.scale() * wrenchOf(k, frame_.command - k.gravity).head<3>();
-  drill_->cut(scene_.scene(), k.pose, force, elapsed, frame_.contacts);
+  if (frame_.output.mode == RenderMode::contact) force = mechanism_.scale() * wallForce();
+  drill_->cut(scene_.scene(), frame_.kinematics.pose, force, elapsed, frame_.contacts);
 }
 
 void HapticTick::placeAt(const Pose& start) noexcept {
@@ -183,6 +199,10 @@ void HapticTick::placeAt(const Pose& start) noexcept {
 
 void HapticTick::exchange(TickScene& other) noexcept {
   other.takeOver(scene_);
+  if (other.scene().guides() != scene_.scene().guides()) {
+    guidance_.reset();
+    frame_.guided.setZero();
+  }
   if (!other.hasTaps()) {
     tap_.reset();
     frame_.added = JointVector();
@@ -200,6 +220,7 @@ void HapticTick::reset() noexcept {
   renderer_->reset();
   scene_.reset();
   tap_.reset();
+  guidance_.reset();
   sampleTime_ = kNever;
   frame_.age = 0;  // the time may begin again at 0
 }
@@ -208,6 +229,7 @@ void HapticTick::restart(const Pose& start) noexcept {
   guard_.restart();
   renderer_->reset();
   tap_.reset();
+  guidance_.reset();
   sampleTime_ = kNever;
   placeAt(start);
   scene_.reset();
@@ -220,7 +242,7 @@ void HapticTick::restart(const Pose& start) noexcept {
 
 std::size_t HapticTick::numbers() const noexcept {
   return frameSize(mechanism_.joints()) + scene_.stateSize() + (scene_.hasTaps() ? TapTransient::kNumbers : 0) +
-         Guard::stateSize();
+         (hasGuides() ? Guidance::kNumbers : 0) + Guard::stateSize();
 }
 
 void HapticTick::saveState(void* state) const noexcept {
@@ -237,6 +259,10 @@ void HapticTick::saveState(void* state) const noexcept {
   if (scene_.hasTaps()) {
     tap_.saveState(at);
     at += TapTransient::kNumbers;
+  }
+  if (hasGuides()) {
+    guidance_.saveState(at);
+    at += Guidance::kNumbers;
   }
   guard_.saveState(at);
   renderer_->saveState(at + Guard::stateSize());
@@ -267,6 +293,10 @@ void HapticTick::loadState(const void* state) noexcept {
   if (scene_.hasTaps()) {
     tap_.loadState(at);
     at += TapTransient::kNumbers;
+  }
+  if (hasGuides()) {
+    guidance_.loadState(at);
+    at += Guidance::kNumbers;
   }
   guard_.loadState(at);
   renderer_->loadState(at + Guard::stateSize());

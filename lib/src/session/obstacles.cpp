@@ -37,7 +37,7 @@ bool isFlatWall(const Scene& scene, const session::SessionTool& tool) {
       std::isinf(m.stiffness) && m.friction == 0.0 && m.slidingFriction == 0.0 && m.viscosity == 0.0;
   const ToolPart& part = tool.tool.parts[0];
   const bool isPoint = tool.tool.count == 1 && part.a.isZero(0.0) && part.b.isZero(0.0) && part.radius == 0.0;
-  return !own.suspension && own.tap.frequency == 0.0 && own.pose.position.isZero(0.0) &&
+  return !scene.guides() && !own.suspension && own.tap.frequency == 0.0 && own.pose.position.isZero(0.0) &&
          own.pose.rotation == wall.obstacles()[0].pose.rotation && isSmoothAndRigid && isPoint && !tool.bur;
 }
 
@@ -109,6 +109,13 @@ void Session::setSuspension(ObstacleId id, const std::optional<Suspension>& susp
   impl_->changeObstacle(id, [&](Obstacle& changed) {
     changed.suspension = suspension ? std::make_shared<const Suspension>(*suspension) : nullptr;
   });
+}
+
+void Session::setGuides(std::vector<Guide> guides) {
+  const Lock lock = impl_->lock();
+  Obstacles next = impl_->group->obstacles;
+  next.scene.setGuides(std::move(guides));
+  impl_->changeObstacles(std::move(next));
 }
 
 void Session::remove(ObstacleId id) {

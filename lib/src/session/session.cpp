@@ -95,6 +95,14 @@ Session::Impl::Impl(const SessionDef& definition) : def(definition) {
   world = makeWorld(group->obstacles, {}, {}, tool_, true);
   solids = *world;
   haptics = std::make_unique<HapticTick>(seen, world->scene, tool_.tool, *choice.renderer, guard, start);
+  if (const auto& guides = group->obstacles.scene.guides()) {
+    double sum = 0.0;
+    for (const Guide& guide : *guides) sum += guide.stiffness;
+    if (const double most = haptics->guidance().largestStiffness(); sum > most)
+      notes.push_back("guides: their stiffnesses add up to " + formatNumber(sum) +
+                      " N/m and are reduced by one factor: the device permits " + formatNumber(std::floor(most)) +
+                      " N/m");
+  }
   world->tick.reset();
   haptics->attach(world->drill.get());
   ownTick.pose = haptics->frame().kinematics.pose;

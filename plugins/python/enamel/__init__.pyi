@@ -127,6 +127,25 @@ class Scene:
         wavelength: float = ...,
     ) -> None: ...
     def set_tap(self, obstacle: int, tap: Union[str, Tuple[float, float]]) -> None: ...
+    def add_line_guide(
+        self, points: npt.ArrayLike, stiffness: float, max_force: float, radius: float = ...
+    ) -> None: ...
+    def add_plane_guide(
+        self,
+        point: npt.ArrayLike,
+        normal: npt.ArrayLike,
+        stiffness: float,
+        max_force: float,
+        one_sided: bool = ...,
+    ) -> None: ...
+    def add_box_guide(
+        self,
+        centre: npt.ArrayLike,
+        size: npt.ArrayLike,
+        stiffness: float,
+        max_force: float,
+        rotation: Optional[npt.ArrayLike] = ...,
+    ) -> None: ...
     def suspend(
         self,
         obstacle: int,

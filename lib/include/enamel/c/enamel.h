@@ -224,6 +224,25 @@ typedef struct EnamelSurface {
   size_t vertex_count, triangle_count;
 } EnamelSurface;
 
+enum EnamelGuideShape {
+  ENAMEL_GUIDE_LINE = 0,       /* points; dimensions[0]: radius, 0: the line itself */
+  ENAMEL_GUIDE_PLANE = 1,      /* z = 0 of its frame */
+  ENAMEL_GUIDE_HALF_SPACE = 2, /* the side z > 0 */
+  ENAMEL_GUIDE_BOX = 3         /* dimensions: half edges; the tool stays inside */
+};
+
+/* A soft force towards a line, a surface or a region. */
+typedef struct EnamelGuide {
+  int32_t shape; /* EnamelGuideShape */
+  int32_t reserved;
+  EnamelPose pose;
+  double dimensions[3]; /* m */
+  const double* points; /* 3 numbers each, in the guide's frame, m; copied */
+  size_t point_count;
+  double stiffness; /* force at the hand per distance in the scene, N/m */
+  double max_force; /* at the hand, N */
+} EnamelGuide;
+
 /* State after one tick. Poses and contacts are those of the tool in the scene, forces those at the hand. */
 typedef struct EnamelSnapshot {
   uint32_t size;
@@ -348,6 +367,9 @@ ENAMEL_API int32_t enamel_restore(EnamelSession* session, EnamelObstacle obstacl
  * brick replaces the triangles that were drawn for it. */
 ENAMEL_API int32_t enamel_solid_bricks(EnamelSession* session, EnamelObstacle obstacle, int32_t* count);
 ENAMEL_API int32_t enamel_take_surface(EnamelSession* session, EnamelObstacle obstacle, EnamelSurface* surface);
+
+/* Set all guides. They replace the ones before, and ramp in. NULL and 0: none. Any. */
+ENAMEL_API int32_t enamel_set_guides(EnamelSession* session, const EnamelGuide* guides, size_t guide_count);
 
 /* Tool, renderer, control. Any. */
 ENAMEL_API int32_t enamel_set_tool(EnamelSession* session, const EnamelTool* tool, const EnamelBur* bur);

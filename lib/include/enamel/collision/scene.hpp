@@ -1,4 +1,4 @@
-// Obstacles with names, at rest or moving.
+// Obstacles with names, at rest or moving, and guides.
 #pragma once
 
 #include <cstddef>
@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "enamel/collision/guide.hpp"
 #include "enamel/collision/material.hpp"
 #include "enamel/collision/proximity.hpp"
 #include "enamel/collision/shapes.hpp"
@@ -46,7 +47,7 @@ inline constexpr double kFarthest = 100.0, kFastest = 100.0, kFastestTurn = 1000
 /// Least inertia of a suspension that is not 0, kg and kg m^2. A lighter obstacle would be lost in rounding.
 inline constexpr double kLeastMovableInertia = 1e-12;
 
-/// A list of obstacles. Add them before the ticks begin: in a tick only poses, twists and `active` may change. To add
+/// A list of obstacles, and guides. Add them before the ticks begin: in a tick only poses, twists and `active` may change. To add
 /// obstacles later, give the tick a new TickScene.
 class Scene {
  public:
@@ -80,10 +81,17 @@ class Scene {
 
   const std::vector<Obstacle>& obstacles() const noexcept { return obstacles_; }
 
+  /// Set all guides. Throws Error as checkGuide(), and for more than kMaxGuides. Realtime: no.
+  void setGuides(std::vector<Guide> guides);
+
+  /// Return the guides, which copies of the scene share; null: none. Realtime: yes.
+  const std::shared_ptr<const std::vector<Guide>>& guides() const noexcept { return guides_; }
+
  private:
   void check(const Obstacle& obstacle, std::size_t number) const;
 
   std::vector<Obstacle> obstacles_;
+  std::shared_ptr<const std::vector<Guide>> guides_;
 };
 
 /// Return whether an obstacle continues to exist in another scene. It must be active in both, with the same number,

@@ -36,7 +36,11 @@ struct SceneFile {
 /// - optional table `bur`: the tool's `part` (default 0), `wear`, `turns` a second, `torque` [N m], `inertia` [kg m^2],
 ///   `drag`, `run_out` [m] and `blades` (defaults: those of Bur);
 /// - list `obstacle` of tables, each with `name`, `shape`, the keys of its shape, and optionally its material and a
-///   table `suspension`.
+///   table `suspension`;
+/// - optional list `guide` of tables, each with `shape`, the keys of its shape, `stiffness` [N/m] and `max_force` [N].
+///
+/// Keys of a guide's shapes: "line": `points` [m], optional `radius` (default 0). "plane" and "half_space": `point`,
+/// `normal` (of a half space: to the side where the TCP shall be). "box": `centre`, `size`, optional `euler_deg`.
 ///
 /// Keys of a material: `stiffness` [N/m] (default: rigid), `friction` (default 0), `sliding_friction` (default:
 /// `friction`), `stribeck_speed` [m/s] (default 0), `viscosity` [N s/m] (default 0). Of a rough surface also:
@@ -66,7 +70,7 @@ struct SceneFile {
 /// Throws ConfigurationError, with file, line, key, value and limit, for:
 /// - a file that cannot be read, or malformed TOML;
 /// - unknown or missing keys, wrong types, values outside their range;
-/// - an empty scene, or two obstacles with the same name;
+/// - an empty scene, two obstacles with the same name, or a guide that checkGuide() rejects;
 /// - a start inside an obstacle;
 /// - a mesh that loadMesh() or checkMesh() rejects.
 SceneFile loadScene(const std::string& path, SpareCapacity spare = {});

@@ -95,6 +95,10 @@ struct TickFrame {
   // Render.
   TickOutput output;
 
+  /// Force that the guides of the scene had on the TCP on the way since the last sample, without damping, W, N. It is
+  /// the slope of an energy that they store, so the guard lets them return its work.
+  Vec3 guided = Vec3::Zero();
+
   // Guard.
   /// Torque added to the renderer's last one after a tap, N m or N; empty: zero or unknown. `command` contains it.
   JointVector added;

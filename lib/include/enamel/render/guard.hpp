@@ -115,7 +115,7 @@ class Guard {
 
   /// Guard one tick. Read kinematics, contacts and requested torque of the frame; write its command and reason.
   /// `status` is the status of all earlier stages. The kinematics count only if their q equals the measured q. The
-  /// energy account excludes the work of a moving obstacle. Realtime: yes (no allocation).
+  /// energy account excludes the work of a moving obstacle and of TickFrame::guided. Realtime: yes (no allocation).
   void step(const Measurement& measurement, Status status, TickFrame& frame) noexcept;
 
   /// Clear a fault. The renderer's torque then ramps in once the demanded force is small. Realtime: yes.
@@ -217,7 +217,7 @@ class Guard {
   GuardReason measured(const Measurement& m, double elapsed) noexcept;
   GuardReason judged(const Measurement& m, Status status, bool known, double elapsed, const TickFrame& frame) noexcept;
   void remember(const Measurement& m) noexcept;
-  GuardReason moved(const Measurement& m, const Kinematics& k) noexcept;
+  GuardReason moved(const Measurement& m, const TickFrame& frame) noexcept;
   Modes modesOf(const Mechanism& device, const Drive& drive) const;
   void describeCables(const Mechanism& device);
   void learnCables(double cables) noexcept;
@@ -226,7 +226,7 @@ class Guard {
   int unlikelyJoint(const JointVector& applied) const noexcept;
   void compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept;
   const Row& nearestCommand(const JointVector& applied) const noexcept;
-  double book(const Measurement& m, const Kinematics& k, const Row& torque, Account& account) const noexcept;
+  double book(const Measurement& m, const TickFrame& frame, const Row& torque, Account& account) const noexcept;
   double energy() const noexcept;
   GuardReason asked(const JointVector& requested, const Kinematics& k) noexcept;
   GuardReason shape(const Measurement& m, const Kinematics& k, const JointVector& requested, double elapsed,

@@ -9,6 +9,7 @@
 #include "enamel/render/drill.hpp"
 #include "enamel/render/frame.hpp"
 #include "enamel/render/guard.hpp"
+#include "enamel/render/guidance.hpp"
 #include "enamel/render/renderer.hpp"
 #include "enamel/render/tap_transient.hpp"
 #include "enamel/render/tick_scene.hpp"
@@ -84,6 +85,7 @@ class HapticTick {
   const Renderer& renderer() const noexcept { return *renderer_; }
   const TickScene& scene() const noexcept { return scene_; }
   const TapTransient& tap() const noexcept { return tap_; }
+  const Guidance& guidance() const noexcept { return guidance_; }
 
   /// Save and load all state needed to continue bit for bit: stateSize() bytes, aligned as doubles, the renderer's
   /// last. The guard's record of past ticks and the attached drill are not part of it. A saved state becomes invalid
@@ -95,12 +97,15 @@ class HapticTick {
  private:
   static constexpr double kNever = std::numeric_limits<double>::lowest();
 
+  bool hasGuides() const noexcept { return scene_.scene().guides() != nullptr; }
   bool needsInertia() const noexcept { return renderer_->needsInertia() || scene_.hasTaps(); }
   Measurement adjusted(const Measurement& measurement) const noexcept;
   Status tick(const Measurement& measurement) noexcept;
   Status sense(const Measurement& measurement) noexcept;
   Status findContacts(double time, double elapsed) noexcept;
   Status render(Status status) noexcept;
+  double share() const noexcept;
+  Vec3 wallForce() const noexcept;
   void react() noexcept;
   void cut(double elapsed, bool isStopped) noexcept;
   void placeAt(const Pose& start) noexcept;
@@ -112,7 +117,9 @@ class HapticTick {
   Guard guard_;
   TickFrame frame_;
   TapTransient tap_;
+  Guidance guidance_;
   Vec6 effect_ = Vec6::Zero();
+  Vec6 added_ = Vec6::Zero();   // effect and guides of the last tick
   double gripper_ = 0.0;        // N
   double sampleTime_ = kNever;  // of the last sample, s
   Drill* drill_ = nullptr;

@@ -102,7 +102,10 @@ class Session {
   /// Return the solid as it was given, without cuts; null for other shapes. Its bricks have the numbers of the changes.
   std::shared_ptr<const Solid> solid(ObstacleId id) const;
 
-  // Tool, renderer, control.
+  // Guides, tool, renderer, control.
+
+  /// Set all guides of the scene (Guidance). They ramp in. Throws Error as Scene::setGuides().
+  void setGuides(std::vector<Guide> guides);
 
   /// Change the tool. Without a bur, nothing is cut. Throws Error as Drill and checkTool().
   void setTool(const Tool& tool, const std::optional<Bur>& bur = std::nullopt);
