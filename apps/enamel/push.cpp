@@ -29,7 +29,7 @@ struct PushOptions {
   std::string device, scene, gain, output, record;
   std::vector<std::string> renderers = {kPositionControl};
   std::string delay = "none", plant = kClosedForm;
-  bool guide = true, arm = false, encoders = false, insideTick = false, json = false, overwrite = false;
+  bool guide = true, arm = false, rest = false, encoders = false, insideTick = false, json = false, overwrite = false;
   HoldOptions servo;
   std::string rates;
   std::vector<std::string> set;
@@ -60,6 +60,7 @@ PushSetup setupOf(const PushOptions& options) {
   }
   setup.hand.guide = options.guide;
   if (options.arm) setup.hand.arm = kArm;
+  if (options.rest) setup.hand.rest = kFingerRest;
   if (options.insideTick) setup.hand.instant = randomInstant(setup.seed, setup.run);
   setup.delay = parseDelay(options.delay);
   setup.encoders.quantised = options.encoders;
@@ -375,6 +376,8 @@ void addPersonOptions(CLI::App& command, PushOptions& options) {
                    "the step occurs at a random instant inside its tick, not at its beginning");
   command.add_flag("--arm", options.arm,
                    "push scenario 1 through the mass of an arm and a grip (kArm, lib/include/enamel/sim/hand.hpp)");
+  command.add_flag("--finger-rest", options.rest,
+                   "a finger 15 mm behind the tip rests on a tooth (kFingerRest, lib/include/enamel/sim/hand.hpp)");
   command.add_option("--noise", options.setup.hand.noise, "standard deviation of the person's force, N")
       ->capture_default_str();
 }

@@ -131,6 +131,27 @@ void addDevice(py::module_& m) {
           },
           py::arg("damping"),
           "Return the device with added viscous damping of the TCP's twist, (6,), axes of W, N s/m and N m s/rad.")
+      .def(
+          "with_handpiece",
+          [](const Device& self, double mass, const Array& com, const std::optional<Array>& inertia,
+             const Array& gravity) {
+            DeviceParameters parameters = self.parameters;
+            Handpiece handpiece;
+            handpiece.mass = mass;
+            handpiece.com = vec3(com, "com", "m");
+            if (inertia) {
+              requireShape(*inertia, "inertia", {3, 3}, "kg m^2");
+              handpiece.inertia = Eigen::Map<const Mat3>(inertia->data());  // symmetric
+            }
+            handpiece.gravity = vec3(gravity, "gravity", "m/s^2");
+            addHandpiece(parameters, handpiece);
+            return deviceOf(std::move(parameters));
+          },
+          py::arg("mass"), py::arg("com") = py::make_tuple(0.0, 0.0, 0.0), py::arg("inertia") = py::none(),
+          py::arg("gravity") = py::make_tuple(0.0, -9.81, 0.0),
+          "Return the device with a body that is fixed to its platform: mass (kg), centre of mass in P (m), inertia "
+          "about it (kg m^2). Every renderer then balances its weight. `gravity` (m/s^2, W) counts for Cartesian "
+          "devices. Raises Error for a negative mass, or numbers that the device cannot take.")
       .def("__repr__", [](const Device& self) {
         return "<enamel.Device \"" + self.mechanism->name() + "\", " + std::to_string(self.mechanism->joints()) +
                " joints>";

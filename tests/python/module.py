@@ -270,6 +270,13 @@ class Runs(unittest.TestCase):
         np.testing.assert_allclose(mine["gap"], linked["gap"], atol=1e-9)
         np.testing.assert_allclose(mine["normal_force"], linked["normal_force"], atol=1e-5)
 
+    def test_a_handpiece_has_its_mass_in_the_model(self):
+        heavy = self.device.with_handpiece(0.085, com=(0, 0, 0.06), inertia=np.diag([8e-5, 8e-5, 5e-6]))
+        work = heavy.home.jacobian.T @ np.diag([0.085] * 3 + [0] * 3) @ heavy.home.jacobian
+        self.assertGreater(np.trace(heavy.home.inertia - self.device.home.inertia), 0.9 * np.trace(work))
+        with self.assertRaisesRegex(enamel.Error, "mass is -1, must be at least 0 kg"):
+            self.device.with_handpiece(-1.0)
+
     def test_what_a_renderer_raises_ends_the_run(self):
         class Tired(enamel.PythonRenderer):
             def render(self, tick):

@@ -257,4 +257,52 @@ TEST_CASE("damping, friction and mass are added to every kind", "[device_file]")
     CHECK_NOTHROW(makeMechanism(after));
   }
 }
+
+TEST_CASE("a handpiece has its mass and its weight in the model", "[device_file]") {
+  Handpiece h;
+  h.mass = 0.085;
+  h.com = Vec3(0.002, -0.001, 0.06);
+  h.inertia = Vec3(8e-5, 8.2e-5, 5e-6).asDiagonal();
+  for (const std::string file : {"tau-nominal.toml", "tau-detailed.toml", "delta.toml", "cartesian-3.toml"}) {
+    INFO(file);
+    const DeviceParameters before = loadDevice(test::deviceFile(file));
+    DeviceParameters after = before;
+    addHandpiece(after, h);
+    const auto plain = makeMechanism(before), heavy = makeMechanism(after);
+    Pose pose;
+    pose.position = Vec3(0.01, -0.02, 0.015);
+    if (plain->joints() == 6) pose.rotation = Eigen::AngleAxisd(0.2, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+    Kinematics a, b;
+    REQUIRE(plain->reach(pose, Vec6::Zero(), true, a) == Status::ok);
+    REQUIRE(heavy->reach(pose, Vec6::Zero(), true, b) == Status::ok);
+    // Kinetic energy: the body moves with the platform. Where that does not turn, its centre of mass moves as the TCP.
+    const Mat3 R = a.pose.rotation;
+    const Vec3 arm = R * h.com;
+    Mat6 body = Mat6::Zero();
+    Mat3 cross;
+    cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
+    body.topLeftCorner<3, 3>() = h.mass * Mat3::Identity();
+    body.topRightCorner<3, 3>() = -h.mass * cross;
+    body.bottomLeftCorner<3, 3>() = h.mass * cross;
+    body.bottomRightCorner<3, 3>() = R * h.inertia * R.transpose() - h.mass * cross * cross;
+    const Eigen::MatrixXd J = a.jacobian;
+    const Eigen::MatrixXd difference = b.inertia - a.inertia, expected = J.transpose() * body * J;
+    CHECK((difference - expected).norm() < 1e-9 * b.inertia.norm());
+    Vec3 gravity = h.gravity;
+    if (const auto* tau = std::get_if<TauParameters>(&before)) gravity = tau->gravity;
+    if (const auto* delta = std::get_if<DeltaParameters>(&before)) gravity = delta->gravity;
+    Vec6 weight;
+    weight << h.mass * gravity, arm.cross(h.mass * gravity);
+    const Eigen::VectorXd more = b.gravity - a.gravity, balance = -J.transpose() * weight;
+    CHECK((more - balance).norm() < 1e-9 * (1.0 + balance.norm()));
+  }
+  DeviceParameters six = loadDevice(test::deviceFile("cartesian-6.toml"));
+  CHECK_THROWS_WITH(addHandpiece(six, h), test::ContainsSubstring("must have its mass at the TCP"));
+  h.com.setZero();
+  h.inertia.setZero();
+  CHECK_NOTHROW(addHandpiece(six, h));
+  h.mass = -1.0;
+  CHECK_THROWS_WITH(addHandpiece(six, h), test::ContainsSubstring("the handpiece: mass is -1, must be at least 0 kg"));
+}
+
 }  // namespace enamel::test_device_file

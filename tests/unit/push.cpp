@@ -76,6 +76,49 @@ TEST_CASE("an arm brings its push late, and what its own stiffness leaves of it"
   CHECK_THROWS_WITH(checkPush(setup), test::ContainsSubstring("the arm's mass is 0"));
 }
 
+TEST_CASE("a finger that rests on a tooth holds the tool, and takes energy", "[push]") {
+  PushSetup setup;
+  setup.hand.rest = kFingerRest;
+  setup.hand.guide = false;
+  setup.hand.force = setup.hand.noise = 0.0;
+  const SimulatedHand hand(setup);
+  Pose pose = setup.start;
+  pose.position += Vec3(1e-4, -2e-4, 3e-4);
+  const Vec6 still = hand(0.0, pose, Vec6::Zero());
+  CHECK(still.head<3>().isApprox(1000.0 * Vec3(-1e-4, 2e-4, -3e-4), 1e-9));
+  CHECK(still.tail<3>().isApprox(kFingerRest.point.cross(still.head<3>()), 1e-9));
+  // A turn about the finger moves the TCP, not the finger.
+  Pose turned = setup.start;
+  turned.rotation = Eigen::AngleAxisd(0.01, Vec3::UnitX()).toRotationMatrix();
+  turned.position += kFingerRest.point - turned.rotation * kFingerRest.point;
+  CHECK(hand(0.0, turned, Vec6::Zero()).norm() < 1e-9);
+  Vec6 twist;
+  twist << 0.1, -0.2, 0.05, 1.0, 2.0, -3.0;
+  CHECK(hand(0.0, setup.start, twist).dot(twist) < 0.0);
+
+  // On a wall, it takes a part of the push: 12 N on a spring of 6000 N/m.
+  PushSetup press;
+  press.hand.noise = 0.0;
+  const TauMechanism device(test::nominal());
+  const auto depth = [&] {
+    ImpedanceRenderer spring({6000.0, 0.0});
+    MetricsCollector metrics(press);
+    (void)runPush(device, spring, press, [&](const TickRecord& t) { metrics.add(t); });
+    CHECK(metrics.metrics().faults == 0);
+    return metrics.metrics().steadyDepth;
+  };
+  const double alone = depth();
+  press.hand.rest = kFingerRest;
+  const double rested = depth();
+  CHECK(alone == Approx(12.0 / 6000.0).epsilon(0.02));
+  CHECK(rested == Approx(12.0 / 7000.0).epsilon(0.02));
+
+  press.hand.rest->grip.damping = -1.0;
+  CHECK_THROWS_WITH(checkPush(press), test::ContainsSubstring("of the finger rest is -1, must be at least 0"));
+  press.hand.rest->point = Vec3(0.0, 0.0, 2.0);
+  CHECK_THROWS_WITH(checkPush(press), test::ContainsSubstring("the finger rests 2 m from the TCP"));
+}
+
 TEST_CASE("scenario 2: the hand arrives where its force is F_c", "[push]") {
   // Positions and velocities are continuous, and the acceleration is the paper's in every phase.
   const double force = 11.0, a = force / 9.9;

@@ -2,6 +2,7 @@
 
 #include "core/toml.hpp"
 #include "device/read.hpp"
+#include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/cartesian/mechanism.hpp"
 #include "enamel/device/delta/mechanism.hpp"
@@ -39,6 +40,31 @@ struct AddMass {
   void operator()(CartesianParameters& p) const {
     p.mass += mass;
     for (double& each : p.massTable.mass) each += mass;
+  }
+};
+
+struct AddHandpiece {
+  const Handpiece& h;
+
+  void operator()(TauParameters& p) const {  // both about their common centre of mass
+    const double mass = p.platform.mass + h.mass, share = h.mass / mass;
+    const Vec3 between = h.com - p.platform.com;
+    p.platform.inertia += h.inertia + p.platform.mass * share *
+                                          (between.squaredNorm() * Mat3::Identity() - between * between.transpose());
+    p.platform.com += share * between;
+    p.platform.mass = mass;
+  }
+  void operator()(DeltaParameters& p) const { p.platform.mass += h.mass; }
+  void operator()(CartesianParameters& p) const {
+    if (p.axes == 6 && (h.com != Vec3::Zero() || h.inertia != Mat3::Zero()))
+      throw Error("a handpiece on a Cartesian device that turns must have its mass at the TCP, without inertia");
+    if (h.gravity != p.gravity) {
+      if (!p.massTable.mass.empty())
+        throw Error("a handpiece on a Cartesian device with a mass table must have the gravity of the device, " +
+                    formatVector(p.gravity) + " m/s^2");
+      p.gravity = (p.mass * p.gravity + h.mass * h.gravity) / (p.mass + h.mass);
+    }
+    AddMass{h.mass}(p);
   }
 };
 
@@ -145,6 +171,17 @@ void addDamping(DeviceParameters& parameters, const Vec6& damping) { std::visit(
 void addFriction(DeviceParameters& parameters, double friction) { std::visit(AddFriction{friction}, parameters); }
 
 void addMass(DeviceParameters& parameters, double mass) { std::visit(AddMass{mass}, parameters); }
+
+void addHandpiece(DeviceParameters& parameters, const Handpiece& handpiece) {
+  const Fail fail = [](const std::string& key, const std::string& problem) {
+    throw Error("the handpiece: " + key + " " + problem);
+  };
+  requireNotNegative(handpiece.mass, "mass", "kg", fail);
+  if (!handpiece.com.allFinite()) fail("com", "must be finite");
+  if (!handpiece.gravity.allFinite()) fail("gravity", "must be finite");
+  checkInertia(handpiece.inertia, "inertia", fail);
+  std::visit(AddHandpiece{handpiece}, parameters);
+}
 
 void scaleMasses(DeviceParameters& parameters, double factor) {
   std::visit(ScaleMasses{factor, imperfectionsOf(parameters).cableStiffness == 0.0}, parameters);

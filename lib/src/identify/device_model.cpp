@@ -251,14 +251,11 @@ JointVector viscousFriction(const DeviceModel& model) {
 
 std::shared_ptr<const Mechanism> weightedMechanism(const DeviceModel& model) {
   DeviceParameters bodies = bodiesOf(model);
-  if (auto* tau =
-          std::get_if<TauParameters>(&bodies)) {  // about the new centre of mass, between the old one and the TCP
-    const double share = tau->platform.mass / (tau->platform.mass + model.weight);
-    const Vec3 c = tau->platform.com;
-    tau->platform.inertia += share * model.weight * (c.squaredNorm() * Mat3::Identity() - c * c.transpose());
-    tau->platform.com *= share;
-  }
-  addMass(bodies, model.weight);
+  Handpiece weight;
+  weight.mass = model.weight;
+  weight.gravity.setZero();
+  if (const auto* device = std::get_if<CartesianParameters>(&bodies)) weight.gravity = device->gravity;
+  addHandpiece(bodies, weight);
   return makeMechanism(bodies);
 }
 

@@ -51,6 +51,13 @@ Vec6 SimulatedHand::operator()(double time, const Pose& pose, const Vec6& twist)
   if (hand_.guide) wrench = guidingWrench(grip, motion, start_, hand_.normal);
   wrench.head<3>() -= force(time, grip, motion) * hand_.normal;
   wrench.tail<3>() += (grip.position - pose.position).cross(wrench.head<3>());
+  if (hand_.rest) {
+    const Vec3 arm = pose.rotation * hand_.rest->point, held = start_.position + start_.rotation * hand_.rest->point;
+    const Vec3 force = hand_.rest->grip.stiffness * (held - pose.position - arm) -
+                       hand_.rest->grip.damping * translationAt(twist, arm);
+    wrench.head<3>() += force;
+    wrench.tail<3>() += arm.cross(force);
+  }
   return wrench;
 }
 
@@ -142,6 +149,13 @@ void checkPush(const PushSetup& setup) {
     for (const double value : {a.damping, a.stiffness, a.grip.stiffness, a.grip.damping})
       require(value >= 0.0 && std::isfinite(value),
               "a damping or stiffness of the arm is " + formatNumber(value) + ", must be at least 0");
+  }
+  if (p.rest) {
+    require(p.rest->point.squaredNorm() <= 1.0,
+            "the finger rests " + formatNumber(p.rest->point.norm()) + " m from the TCP, must be within 1 m");
+    for (const double value : {p.rest->grip.stiffness, p.rest->grip.damping})
+      require(value >= 0.0 && std::isfinite(value),
+              "a damping or stiffness of the finger rest is " + formatNumber(value) + ", must be at least 0");
   }
   require(std::abs(p.normal.norm() - 1.0) <= 1e-6,
           "the normal of the push has the length " + formatNumber(p.normal.norm()) + ", must be 1");

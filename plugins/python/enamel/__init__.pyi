@@ -76,6 +76,13 @@ class Device:
         wrench: Optional[npt.ArrayLike] = ...,
     ) -> _Floats: ...
     def damped(self, damping: npt.ArrayLike) -> Device: ...
+    def with_handpiece(
+        self,
+        mass: float,
+        com: npt.ArrayLike = ...,
+        inertia: Optional[npt.ArrayLike] = ...,
+        gravity: npt.ArrayLike = ...,
+    ) -> Device: ...
 
 class Scene:
     def __init__(self, path: Optional[_File] = ...) -> None: ...

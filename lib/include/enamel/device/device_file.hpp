@@ -43,6 +43,22 @@ void addDamping(DeviceParameters& parameters, const Vec6& damping);
 void addFriction(DeviceParameters& parameters, double friction);
 void addMass(DeviceParameters& parameters, double mass);
 
+/// A body that is fixed to the platform, such as a handpiece.
+struct Handpiece {
+  double mass = 0.0;              ///< kg
+  Vec3 com = Vec3::Zero();        ///< centre of mass in P, m
+  Mat3 inertia = Mat3::Zero();    ///< tensor about the centre of mass, axes of P, kg m^2
+  Vec3 gravity{0.0, -9.81, 0.0};  ///< of a Cartesian device, which may balance its own weight, in W, m/s^2
+};
+
+/// Fix a handpiece to the platform: the model then has its mass, and every renderer balances its weight. A delta does
+/// not turn, so com and inertia have no effect. A Cartesian device takes its mass at the TCP. Throws Error for:
+/// - a mass or moments that are negative or not finite;
+/// - a com or inertia on a Cartesian device that turns;
+/// - another gravity than that of a Cartesian device with a mass table.
+/// Realtime: no.
+void addHandpiece(DeviceParameters& parameters, const Handpiece& handpiece);
+
 /// Multiply masses and inertias of all bodies by a factor, except those of rotors behind cables. Realtime: no.
 void scaleMasses(DeviceParameters& parameters, double factor);
 

@@ -31,6 +31,17 @@ struct Arm {
 /// measured.
 inline constexpr Arm kArm{0.554, 6.45, 135.0, {2000.0, 10.0}};
 
+/// A finger beside the handpiece that rests on a fixed tooth: it holds a point of the tool where it was at the start.
+struct FingerRest {
+  Vec3 point;  ///< in P, m
+  Grip grip;   ///< in every direction
+};
+
+/// A finger 15 mm behind the tip. The stiffness of a finger pad grows with its force, and depends on time (Pawluk and
+/// Howe, "Dynamic contact of the human fingerpad against a flat surface", 1999). The values are plausible, not
+/// measured.
+inline const FingerRest kFingerRest{{0.0, 0.0, 0.015}, {1000.0, 2.0}};
+
 /// Motion of an arm, in steps of one tick. It begins at rest.
 class MovingArm {
  public:

@@ -28,8 +28,9 @@ struct HandModel {
   double instant = 0.0;  ///< time of scenario 1's step within its tick, as a share of the tick, in [0, 1)
   /// Arm through which scenario 1 pushes. Empty: the force acts on the tool at once.
   std::optional<Arm> arm;
-  Vec3 normal = Vec3::UnitZ();  ///< n, outward, unit length, in W
-  Vec3 grip = Vec3::Zero();     ///< point where the hand holds and pushes the tool, in P, m
+  std::optional<FingerRest> rest;  ///< empty: no finger rests on a tooth
+  Vec3 normal = Vec3::UnitZ();     ///< n, outward, unit length, in W
+  Vec3 grip = Vec3::Zero();        ///< point where the hand holds and pushes the tool, in P, m
   /// Guide the tool as a hand does. Hold the grip across n (100 N/m, 3.6 N s/m), and the orientation at the start pose
   /// (0.5 N m/rad, 0.014 N m s/rad). Without it the five free directions drift.
   bool guide = true;
@@ -113,6 +114,7 @@ struct PushResult {
 /// - the instant is outside [0, 1), or the duration outside 0 to 1 h;
 /// - the normal does not have unit length within 1e-6;
 /// - the grip is farther than 1 m from the TCP;
+/// - the point of a finger rest is farther than 1 m from the TCP, or a number of it is negative;
 /// - an arm is given in scenario 2, its mass is not positive, or another number of it is negative.
 ///
 /// Realtime: no.
