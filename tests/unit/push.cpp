@@ -99,7 +99,7 @@ TEST_CASE("a finger that rests on a tooth holds the tool, and takes energy", "[p
   // On a wall, it takes a part of the push: 12 N on a spring of 6000 N/m.
   PushSetup press;
   press.hand.noise = 0.0;
-  const TauMechanism device(test::nominal());
+  const TauMechanism device(test::dampedNominal());
   const auto depth = [&] {
     ImpedanceRenderer spring({6000.0, 0.0});
     MetricsCollector metrics(press);
