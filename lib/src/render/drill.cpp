@@ -13,7 +13,7 @@ namespace enamel {
 namespace {
 
 constexpr double kMostTurns = 1e4;
-constexpr double kLeastInertia = 1e-12, kMostInertia = 1e-3, kMostDrag = 10.0, kMostRunOut = 1e-4;
+constexpr double kLeastRotor = 1e-12, kMostRotor = 1e-3, kMostDrag = 10.0, kMostRunOut = 1e-4;
 constexpr int kMostBlades = 100;
 constexpr double kFollow = 0.05;    // filter gain per tick for force, hardness and feed
 constexpr double kMostFeed = 0.02;  // m/s
@@ -45,7 +45,7 @@ Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const
     if (!isValid) throw Error("the " + std::string(what) + " of the bur is " + formatNumber(value) + limits);
   };
   require(bur.torque > 0.0, "torque", bur.torque, " N m, must be above 0");
-  require(bur.inertia >= kLeastInertia && bur.inertia <= kMostInertia, "inertia", bur.inertia,
+  require(bur.inertia >= kLeastRotor && bur.inertia <= kMostRotor, "inertia", bur.inertia,
           " kg m^2, must be in 1e-12 to 1e-3");
   require(bur.drag >= 0.0 && bur.drag <= kMostDrag, "drag", bur.drag, ", must be in 0 to 10");
   require(bur.runOut >= 0.0 && bur.runOut <= kMostRunOut, "run-out", bur.runOut, " m, must be in 0 to 1e-4");

@@ -10,30 +10,30 @@
 namespace enamel {
 namespace {
 
-constexpr int kWaves = 24;
+constexpr int kWaveCount = 24;
 constexpr double kHurst = 0.8;  // exponent of a self-affine surface
 constexpr double kDecade = 10.0;
 
-using Numbers = Eigen::Array<double, kWaves, 1>;
+using Numbers = Eigen::Array<double, kWaveCount, 1>;
 
 // The waves of a surface whose longest wavelength is 1 and whose root mean square height is 1.
 struct Waves {
   Numbers length, amplitude, phase;
-  Eigen::Array<double, kWaves, 3> direction;
+  Eigen::Array<double, kWaveCount, 3> direction;
 };
 
 // Directions lie on a spiral over the sphere, in an order without a trend; phases follow the golden ratio.
-const Waves kUnit = [] {
+const Waves kUnitWaves = [] {
   constexpr double kGolden = 0.6180339887498949;
-  constexpr int kStride = 7;  // has no divisor in common with kWaves
+  constexpr int kStride = 7;  // has no divisor in common with kWaveCount
   Waves waves;
-  for (int k = 0; k < kWaves; ++k) {
-    const int place = k * kStride % kWaves;
-    const double z = 1.0 - (2.0 * place + 1.0) / kWaves, turn = 2.0 * M_PI * kGolden * place;
+  for (int k = 0; k < kWaveCount; ++k) {
+    const int place = k * kStride % kWaveCount;
+    const double z = 1.0 - (2.0 * place + 1.0) / kWaveCount, turn = 2.0 * M_PI * kGolden * place;
     const double across = std::sqrt(1.0 - z * z);
     waves.direction.row(k) << across * std::cos(turn), across * std::sin(turn), z;
     waves.phase[k] = 2.0 * M_PI * std::fmod(kGolden * (k + 1), 1.0);
-    waves.length[k] = std::pow(kDecade, -k / (kWaves - 1.0));
+    waves.length[k] = std::pow(kDecade, -k / (kWaveCount - 1.0));
     waves.amplitude[k] = std::pow(waves.length[k], kHurst);
   }
   waves.amplitude *= std::sqrt(2.0 / waves.amplitude.square().sum());
@@ -45,15 +45,16 @@ const Waves kUnit = [] {
 SurfaceHeight heightAt(const Material& material, const Vec3& place, double radius, double passed) noexcept {
   SurfaceHeight surface;
   if (!(material.roughness > 0.0)) return surface;
-  const Numbers length = material.wavelength * kUnit.length, wave = 2.0 * M_PI / length;
-  Numbers amplitude = (material.roughness * kUnit.amplitude).min(length.square() / (16.0 * std::max(radius, 1e-9)));
+  const Numbers length = material.wavelength * kUnitWaves.length, wave = 2.0 * M_PI / length;
+  Numbers amplitude =
+      (material.roughness * kUnitWaves.amplitude).min(length.square() / (16.0 * std::max(radius, 1e-9)));
   const double step = std::max(passed, 1e-12);
   amplitude *= (length / step).unaryExpr(&sampledShare);
-  const Numbers angle = wave * (kUnit.direction.matrix() * place).array() + kUnit.phase;
+  const Numbers angle = wave * (kUnitWaves.direction.matrix() * place).array() + kUnitWaves.phase;
   Numbers sine, cosine;
-  sinCos<kWaves>(angle, sine, cosine);
+  sinCos<kWaveCount>(angle, sine, cosine);
   surface.height = (amplitude * cosine).sum();
-  surface.gradient = -(kUnit.direction.matrix().transpose() * (amplitude * wave * sine).matrix());
+  surface.gradient = -(kUnitWaves.direction.matrix().transpose() * (amplitude * wave * sine).matrix());
   return surface;
 }
 
