@@ -34,6 +34,7 @@ const std::map<std::string, std::set<std::string>> kBeside = {
     {"plugins/haply", {"plugins/driver_functions.hpp"}},
     {"plugins/forcedimension", {"plugins/driver_functions.hpp", "plugins/vendor_library.hpp"}},
     {"plugins/openhaptics", {"plugins/driver_functions.hpp", "plugins/vendor_library.hpp"}},
+    {"apps/labels", {"apps/program"}},
     {"apps/viewer", {"apps/program", "apps/colours", "apps/offscreen"}}};
 
 // Return "sim" for lib/src/sim/push.cpp and lib/include/enamel/sim/push.hpp; "apps/viewer" for apps/viewer/run.cpp.

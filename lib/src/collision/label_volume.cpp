@@ -18,7 +18,6 @@ namespace {
 constexpr double kMostVoxels = 1 << 28;
 constexpr double kReach = 4.0;           // standard deviations of the Gaussian that count
 constexpr double kMostSmoothing = 10.0;  // spacings
-constexpr double kEnd = 0.01;            // share of an edge: least distance of a vertex from its ends
 constexpr double kOrthonormal = 1e-3;    // files have rounded directions
 
 void check(const LabelVolume& v, double smoothing) {
@@ -129,7 +128,7 @@ TriangleMesh surfaceOf(const LabelVolume& volume, const std::vector<int>& labels
                                                            static_cast<int>(mesh.vertices.size()));
           if (isNew) {
             const double a = static_cast<double>(field[sampleOf(low)]), b = static_cast<double>(field[sampleOf(high)]);
-            const double t = std::clamp((0.5 - a) / (b - a), kEnd, 1.0 - kEnd);
+            const double t = std::clamp((0.5 - a) / (b - a), kernel::kEnd, 1.0 - kernel::kEnd);
             const auto corner = [&](int c) { return Vec3(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)); };
             const Vec3 voxel = field.voxelOf((1.0 - t) * corner(low) + t * corner(high));
             mesh.vertices.push_back(volume.origin + volume.axes * voxel.cwiseProduct(volume.spacing));

@@ -16,8 +16,8 @@ static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "numbers are copied as 
 
 constexpr char kMagic[8] = {'E', 'N', 'A', 'M', 'E', 'L', 'S', '\n'};
 constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kPreamble = 24, kLargestFile = std::size_t{1} << 30;
-constexpr double kFarthest = 1e9;  // m, as of meshes
+constexpr std::size_t kPreamble = 24, kLargestSolidFile = std::size_t{1} << 30;
+constexpr double kFarthestCorner = 1e9;  // m, as of meshes
 constexpr std::uint8_t kVaries = 1, kHasLayers = 2, kIsCut = 4;
 
 struct Preamble {
@@ -172,8 +172,8 @@ Solid SolidFile::read(Reader& reader, int undoBricks) {
     places *= count;
   }
   reader.require(places <= kernel::kMostSolidPlaces, "the solid is too large for its cells");
-  reader.require(solid.origin_.allFinite() && solid.origin_.cwiseAbs().maxCoeff() <= kFarthest &&
-                     (solid.high() - solid.low()).maxCoeff() <= kFarthest,
+  reader.require(solid.origin_.allFinite() && solid.origin_.cwiseAbs().maxCoeff() <= kFarthestCorner &&
+                     (solid.high() - solid.low()).maxCoeff() <= kFarthestCorner,
                  "the solid is larger or farther away than 1e9 m");
   const auto layers = reader.next<std::uint32_t>(), bricks = reader.next<std::uint32_t>();
   reader.require(layers >= 1 && layers <= kMaxSolidLayers, "the number of layers is not 1 to 8");
@@ -207,7 +207,7 @@ Solid parseSolid(std::string_view bytes, const std::string& path, int undoBricks
 }
 
 Solid loadSolid(const std::string& path, int undoBricks) {
-  return parseSolid(readFile(path, kLargestFile), path, undoBricks);
+  return parseSolid(readFile(path, kLargestSolidFile), path, undoBricks);
 }
 
 }  // namespace enamel

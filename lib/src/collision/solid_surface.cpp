@@ -12,7 +12,6 @@
 namespace enamel {
 namespace {
 
-constexpr double kEnd = 0.01;      // share of an edge: least distance of a vertex from its ends
 constexpr double kSettled = 1e-3;  // cells
 constexpr double kOff = 0.25;      // cells: a triangle's centre that is farther from the surface is moved there
 constexpr double kWithin = 0.05;   // least share of the triangle for each of the three parts
@@ -155,7 +154,7 @@ class Extraction {
     const auto a = static_cast<std::size_t>(sampleAt(at));
     std::int32_t& vertex = vertices_[a * kCornersOfCube + static_cast<std::size_t>(way)];
     if (vertex >= 0) return vertex;
-    const double t = std::clamp(zeroBetween(a, way, step), kEnd, 1.0 - kEnd);
+    const double t = std::clamp(zeroBetween(a, way, step), kernel::kEnd, 1.0 - kernel::kEnd);
     const Vec3 start(at[0], at[1], at[2]), edge = step * towards(way);
     const Vec3 position = solid_.low() + solid_.cell() * (corner_ + start + t * edge);
     const Vec3 gradient = (1.0 - t) * gradientAt(start) + t * gradientAt(start + edge);

@@ -7,6 +7,8 @@
 
 namespace enamel::kernel {
 
+inline constexpr double kEnd = 0.01;  ///< share of an edge: least distance of a vertex from its ends
+
 /// From corner to opposite corner along the three axes in every order. Bits x, y, z of a corner.
 struct Tetrahedron {
   std::array<int, 4> corners;

@@ -8,9 +8,9 @@
 namespace enamel {
 namespace {
 
-constexpr int kSmallestSize = 3, kLargestSize = 100, kLongest = 200;  // 0.1 mm
-constexpr double kShank = 0.8e-3, kShankLength = 4e-3;                // radius of a friction grip shank, m
-constexpr double kNeckShare = 0.6, kNeckLength = 3e-3;                // of the head's radius
+constexpr int kSmallestHead = 3, kLargestHead = 100, kLongestHead = 200;  // 0.1 mm
+constexpr double kShank = 0.8e-3, kShankLength = 4e-3;                    // radius of a friction grip shank, m
+constexpr double kNeckShare = 0.6, kNeckLength = 3e-3;                    // of the head's radius
 
 // A capsule along z from its lowest to its highest point.
 struct Piece {
@@ -52,11 +52,12 @@ Tool toolOf(const std::string& name) {
   if (name == "explorer") return along({{0.0, 1.5e-3, 0.1e-3}, {0.5e-3, 4e-3, 0.2e-3}, {2e-3, 10e-3, 0.35e-3}});
   if (name == "bur-245") return bur(8, 30);
   if (name.rfind(round, 0) == 0 && name.size() == round.size() + 3)
-    if (const int size = numberAt(name, round.size()); size >= kSmallestSize && size <= kLargestSize)
+    if (const int size = numberAt(name, round.size()); size >= kSmallestHead && size <= kLargestHead)
       return bur(size, size);
   if (name.rfind(cylinder, 0) == 0 && name.size() == cylinder.size() + 7 && name[cylinder.size() + 3] == '-') {
     const int size = numberAt(name, cylinder.size()), length = numberAt(name, cylinder.size() + 4);
-    if (size >= kSmallestSize && size <= kLargestSize && length >= size && length <= kLongest) return bur(size, length);
+    if (size >= kSmallestHead && size <= kLargestHead && length >= size && length <= kLongestHead)
+      return bur(size, length);
   }
   throw Error("\"" + name +
               "\" is not a tool: it must be \"round-D\", \"cylinder-D-L\", \"bur-245\", \"cpi-probe\" or \"explorer\", "
