@@ -319,9 +319,10 @@ TEST_CASE("guidance: stored energy that returns is no fault, energy of a late fo
   const Bench bench({"cartesian-3.toml", kClosedForm, farBlock()});
   Scene scene = bench.scene;
   scene.setGuides({guide(Plane{}, 450.0, 3.0)});
-  const auto run = [&](double frequency, double size, int delay) {
+  const auto run = [&](double frequency, double size, int delay, double largest = kUnlimited) {
     GuardOptions options = guardFor(*bench.mechanism, kTick);
     options.delay = delay;
+    options.force = largest;
     ImpedanceRenderer renderer({1500.0, 2.0});
     HapticTick tick(*bench.mechanism, scene, Tool{}, renderer, options);
     double most = 0.0;
@@ -350,6 +351,8 @@ TEST_CASE("guidance: stored energy that returns is no fault, energy of a late fo
     CHECK(fault == GuardReason::none);
     CHECK(most < 0.1 * guardFor(*bench.mechanism, kTick).energy);
   }
+  // Only what the guard lets pass counts as stored.
+  CHECK(run(1.0, 0.02, 0, 0.5).first == GuardReason::none);
   CHECK(run(100.0, 1e-3, 3).first == GuardReason::energy);
 }
 
@@ -470,6 +473,33 @@ TEST_CASE("guidance: it ramps in, begins again with other guides, and repeats it
   CHECK(forceAfter(200) == Approx(kForce).epsilon(1e-9));
   tick.exchange(none);
   CHECK(std::abs(forceAfter(1)) < 1e-12);
+}
+
+TEST_CASE("guidance: a guard that is open again lets the guides ramp in", "[guidance]") {
+  // 2 N are more than the tenth of 3.3 N at which the guard engages.
+  Bench bench({"cartesian-3.toml", kClosedForm, farBlock(), 0, true, false, {0.0, 0.0, -0.02}, {}, {line()}});
+  Kinematics k;
+  REQUIRE(bench.mechanism->reach(bench.setup.start, Vec6::Zero(), false, k) == Status::ok);
+  double time = 0.0;
+  const auto forceAfter = [&](int ticks, bool enabled) {
+    for (int i = 0; i < ticks; ++i) {
+      Measurement measured;
+      measured.time = time += kTick;
+      measured.q = k.q;
+      measured.rates = k.rates;
+      measured.enabled = enabled;
+      Command command;
+      REQUIRE((*bench.haptics)(measured, command) == Status::ok);
+    }
+    return wrenchOf(k, bench.haptics->frame().command - k.gravity).z();
+  };
+  CHECK(forceAfter(200, true) == Approx(kForce).epsilon(1e-9));
+  CHECK(forceAfter(50, false) == 0.0);
+  CHECK(forceAfter(2, true) < 0.1);
+  CHECK(forceAfter(200, true) == Approx(kForce).epsilon(1e-9));
+  bench.haptics->reset();
+  CHECK(forceAfter(2, true) < 0.1);
+  CHECK(forceAfter(200, true) == Approx(kForce).epsilon(1e-9));
 }
 
 TEST_CASE("guidance: a saved state continues bit for bit", "[guidance]") {
