@@ -78,12 +78,13 @@ void measureQueries(const MeshModel& mesh, const std::shared_ptr<Solid>& solid, 
 }
 
 // Measure a ball that is pressed with 2 N and moves to random goals; contacts push it out of the solid.
-void measureCutting(const std::shared_ptr<Solid>& solid, int calls, std::vector<Measurement>& rows) {
+void measureCutting(const std::shared_ptr<Solid>& solid, const Bur& bur, const std::string& what, int calls,
+                    std::vector<Measurement>& rows) {
   Scene scene;
   scene.add({"molar", std::shared_ptr<const Solid>(solid), Pose(), Vec6::Zero(), {}});
   const Tool tool = ball();
   ToolTrack track = makeToolTrack(scene, tool);
-  Drill drill(tool, {solid}, {0, 0.5, 2000.0});
+  Drill drill(tool, {solid}, bur);
   drill.spin(true);
   Numbers numbers(22);
   Pose at;
@@ -101,6 +102,7 @@ void measureCutting(const std::shared_ptr<Solid>& solid, int calls, std::vector<
     const Vec3 force = contacts.count > 0 ? Vec3(2.0 * contacts.contacts[0].normal) : Vec3(Vec3::Zero());
     const double time_us = timeOnce([&] {
       keep(followContacts(scene, tool, at, kReach, track, contacts));
+      drill.vibrate(at, 1e-3, contacts);
       drill.correct(contacts);
       drill.cut(scene, at, force, 1e-3, contacts);
     });
@@ -118,7 +120,7 @@ void measureCutting(const std::shared_ptr<Solid>& solid, int calls, std::vector<
     }
   }
   const double gone = whole - sum(solid->volume());
-  rows.push_back(rowOf(fmt::format("tick that cuts with a 1 mm ball ({} of {})", cuts_us.size(), calls), cuts_us,
+  rows.push_back(rowOf(fmt::format("tick that cuts with a 1 mm {} ({} of {})", what, cuts_us.size(), calls), cuts_us,
                        std::abs(removed - gone) / gone, "volume that was said to be removed, relative"));
   rows.back().goal_us = 60.0;
   rows.push_back(
@@ -135,7 +137,15 @@ std::vector<Measurement> measureSolid(double scale) {
       SolidOptions{kCell});
   const int calls = std::max(2000, static_cast<int>(20000 * scale));
   measureQueries(mesh, solid, calls, rows);
-  measureCutting(solid, calls, rows);
+  measureCutting(std::make_shared<Solid>(*solid), {0, 0.5, 2000.0}, "ball", calls, rows);
+  const double constant_us = rows[rows.size() - 2].median_us;
+  Bur slow{0, 15.0, 67.0};  // it removes as much
+  slow.torque = 1.0;
+  slow.runOut = 5e-6;
+  slow.blades = 1;
+  measureCutting(std::make_shared<Solid>(*solid), slow, "ball that slows down and vibrates", calls, rows);
+  rows.pop_back();
+  rows.back().reference_us = constant_us;
   return rows;
 }
 
