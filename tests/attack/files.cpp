@@ -1,9 +1,14 @@
 // Files of devices, scenes, keys and recordings.
 
+#include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <string>
 
 #include "enamel/collision/scene_file.hpp"
+#include "enamel/collision/solid_file.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/runtime/device_link.hpp"
 #include "enamel/runtime/recording.hpp"
@@ -37,6 +42,28 @@ void attackScene(std::string_view bytes) {
   }
 }
 
+// The checksum is corrected, so that the fuzzer reaches the values.
+void attackSolid(std::string_view bytes) {
+  constexpr std::size_t kPreamble = 24;
+  std::string content(bytes);
+  if (content.size() >= kPreamble) {
+    const std::uint32_t crc = crc32(bytes.substr(kPreamble));
+    const std::uint64_t size = content.size() - kPreamble;
+    std::memcpy(content.data() + 12, &crc, sizeof crc);
+    std::memcpy(content.data() + 16, &size, sizeof size);
+  }
+  try {
+    Solid solid = parseSolid(content, "a.solid", 4);
+    for (const double volume : solid.volume()) require(volume >= 0.0 && std::isfinite(volume), "a volume is finite");
+    const Vec3 middle = 0.5 * (solid.low() + solid.high());
+    solid.cut({middle, middle}, {middle, middle}, std::min(3.0 * solid.cell(), Solid::kLargestBur));
+    (void)solid.undo();
+    const SolidPoint nearest = signedDistance(solid, middle);
+    require(!nearest.found || std::isfinite(nearest.distance), "a distance is finite");
+  } catch (const Error&) {
+  }
+}
+
 void attackKey(std::string_view bytes) {
   try {
     (void)readKey(MemoryFile(bytes).path());
@@ -58,8 +85,11 @@ void attackRecording(std::string_view bytes) {
   }
 }
 
-const Registration kFiles[] = {
-    {"device", attackDevice}, {"scene", attackScene}, {"key", attackKey}, {"recording", attackRecording}};
+const Registration kFiles[] = {{"device", attackDevice},
+                               {"scene", attackScene},
+                               {"solid", attackSolid},
+                               {"key", attackKey},
+                               {"recording", attackRecording}};
 
 }  // namespace
 

@@ -127,6 +127,7 @@ TEST_CASE("a solid that is cut, asked, sent and restored allocates nothing", "[r
   ToolTrack track = makeToolTrack(scene, tool);
   ContactSnapshot contacts;
   SolidChanges changes;
+  Solid copy = *solid;
   BrickChange change;
   test::Random random(62);
   int touched = 0, taken = 0;
@@ -144,6 +145,7 @@ TEST_CASE("a solid that is cut, asked, sent and restored allocates nothing", "[r
     touched += followContacts(scene, tool, pose, 1e-3, track, contacts) == Status::ok ? contacts.count : 0;
     if (i % 70 == 69) (void)solid->undo();
     if (i % 200 == 199) solid->restore();
+    copy.set(i % copy.bricks(), solid->samples(i % copy.bricks()));
     changes.publish(*solid);
     for (int k = 0; k < 10; ++k) taken += changes.take(change);
   }
