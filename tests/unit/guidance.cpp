@@ -422,7 +422,7 @@ TEST_CASE("guidance: a guide does not push a movable obstacle, the wall does", "
                {guide(Plane{}, 1000.0, 2.0, below)}});
   for (int i = 0; i < 1000; ++i)
     REQUIRE(bench.step([&](double, const Pose& pose, const Vec6& twist) {
-      return guidingWrench(pose, twist, bench.setup.start, Vec3::UnitZ()).head<3>();
+      return Vec3(guidingWrench(pose, twist, bench.setup.start, Vec3::UnitZ()).head<3>());
     }));
   // The wall holds the tool against the guide: the motors give nothing, the block carries 2 N.
   CHECK(std::abs(bench.force()) < 0.02);
