@@ -85,8 +85,9 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   };
   // The states at the time when the command acts.
   struct alignas(64) Ahead {
-    States x, next;              // at that time, and a tick later without a force
+    States x, next;              // at that time, and a tick later with the guides alone
     States sensitivity;          // derivative of `next` by ln(mass), due to what acts from now on
+    Lane guide;                  // torque of the guides, which acts with the new command
     Lane pending[kMostPending];  // commands that may act instead of the new one, newest first
     PredictedModes modes;
   };
@@ -357,9 +358,15 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
     observer_.advanceSensitivity(command, a.x, a.sensitivity);
     observer_.advance(command, a.x);
   }
-  observer_.advanceSensitivity(Lane{}, a.x, a.sensitivity);
+  a.guide = {};
+  if (frame.guide.size() == joints_) {
+    JointRow guide{};
+    for (int j = 0; j < joints_; ++j) guide[j] = frame.maxTorque[j] > 0.0 ? frame.guide[j] : 0.0;
+    a.guide = toModes(guide);
+  }
+  observer_.advanceSensitivity(a.guide, a.x, a.sensitivity);
   std::memcpy(a.next, a.x, sizeof a.next);
-  observer_.advance(Lane{}, a.next);
+  observer_.advance(a.guide, a.next);
   for (int d = 0; d < delay().pending; ++d) a.pending[d] = toModes(memory_.sent[d]);
   PredictedModes& m = a.modes;
   m = {};
@@ -382,6 +389,9 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
     m.nextRate[k] = (1.0 - rotor) * a.next[kLink + 1][k] + (kMech == 4 ? rotor * a.next[1][k] : 0.0);
   }
   observer_.law(s, a.x, a.pending, m.law);
+  // The total command K (r - w) contains the torque g of the guides: the rest is K (r - (w + g / K)).
+  for (int k = 0; frame.guide.size() == joints_ && k < joints_; ++k)
+    m.law.wouldBe[k] += a.guide[k] / m.law.stiffness[k];
 }
 
 // Largest force along a row of the modes that does not throw the tool out. The push must stop the outward motion within
@@ -411,8 +421,9 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
       byCommand -= outward[i][k] * observer_.commandSensitivity(i)[k] * row[k];
     }
   for (int d = 0; d <= late.low; ++d) observer_.pullBack(outward);
-  const auto force = observer_.moments(memory_.observer, push),
-             uncertain = observer_.moments(memory_.observer, outward);
+  auto force = observer_.moments(memory_.observer, push);
+  const auto uncertain = observer_.moments(memory_.observer, outward);
+  for (int k = 0; k < joints_; ++k) force.mean += push[kPush][k] * a.guide[k];
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
   const double turnsBack = std::sqrt(2.0 * rebound().distance(std::min(sure, memory_.step), mass, step) * sure / mass),
