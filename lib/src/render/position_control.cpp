@@ -104,7 +104,8 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
   double largestSafe(const Ahead& a, const Lane& row, double step, double speed, double depth) noexcept;
-  void repeat(const Kinematics& now, TickOutput& output) const noexcept;
+  JointRow guideOf(const TickFrame& frame) const noexcept;
+  void repeat(const TickFrame& frame, TickOutput& output) const noexcept;
 
   PositionControlOptions options_;
   int joints_;
@@ -358,12 +359,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
     observer_.advanceSensitivity(command, a.x, a.sensitivity);
     observer_.advance(command, a.x);
   }
-  a.guide = {};
-  if (frame.guide.size() == joints_) {
-    JointRow guide{};
-    for (int j = 0; j < joints_; ++j) guide[j] = frame.maxTorque[j] > 0.0 ? frame.guide[j] : 0.0;
-    a.guide = toModes(guide);
-  }
+  a.guide = toModes(guideOf(frame));
   observer_.advanceSensitivity(a.guide, a.x, a.sensitivity);
   std::memcpy(a.next, a.x, sizeof a.next);
   observer_.advance(a.guide, a.next);
@@ -485,13 +481,23 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
   return std::min(asked, most) / total;
 }
 
+// Torque of the guides at driven joints.
+template <int kMech>
+JointRow PositionControlRenderer::ControllerOf<kMech>::guideOf(const TickFrame& frame) const noexcept {
+  JointRow guide{};
+  for (int j = 0; frame.guide.size() == joints_ && j < joints_; ++j)
+    if (frame.maxTorque[j] > 0.0) guide[j] = frame.guide[j];
+  return guide;
+}
+
 // Give the last answer again.
 template <int kMech>
-void PositionControlRenderer::ControllerOf<kMech>::repeat(const Kinematics& now, TickOutput& output) const noexcept {
+void PositionControlRenderer::ControllerOf<kMech>::repeat(const TickFrame& frame, TickOutput& output) const noexcept {
+  const JointRow guide = guideOf(frame);
   output.mode = memory_.lastNormal > 0.0 ? RenderMode::contact : RenderMode::free;
   output.normalForce = memory_.lastNormal;
   output.torque.resize(joints_);
-  for (int j = 0; j < joints_; ++j) output.torque[j] = now.gravity[j] + memory_.sent[0][j];
+  for (int j = 0; j < joints_; ++j) output.torque[j] = frame.kinematics.gravity[j] + (memory_.sent[0][j] - guide[j]);
 }
 
 template <int kMech>
@@ -504,7 +510,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   output.saturated = false;
   output.cables = m.observer.cable;
   if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {
-    repeat(kin, output);
+    repeat(frame, output);
     return Status::ok;
   }
   JointRow reading{};
@@ -556,7 +562,9 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   m.lastReading = reading;
   m.lastNormal = output.normalForce;
   for (int i = kMaxLoopDelay; i > 0; --i) m.sent[i] = m.sent[i - 1];
-  for (int j = 0; j < n; ++j) m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] : 0.0;
+  const JointRow guide = guideOf(frame);
+  for (int j = 0; j < n; ++j)
+    m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] + guide[j] : 0.0;
   return Status::ok;
 }
 
