@@ -17,6 +17,7 @@
 #include "support/bench.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
+#include "support/meshes.hpp"
 
 namespace enamel::test_guidance {
 
@@ -398,6 +399,35 @@ TEST_CASE("guidance: position control on a wall stays stable beside a guide", "[
     }
 }
 
+TEST_CASE("guidance: position control holds a wall against a guide", "[guidance]") {
+  Obstacle block;
+  block.name = "block";
+  block.shape = Box{{0.02, 0.02, 0.01}};
+  block.pose.position = {0.0, 0.0, -0.01};
+  Pose below;
+  below.position = {0.0, 0.0, -0.02};
+  for (const test::BenchDevice& device : test::kBenchDevices)
+    for (const int delay : {0, 1, 2}) {
+      const double push = 0.5 * device.force;
+      // Mean depth in the last of 1000 ticks under a hand and under a guide of the same force, m.
+      const auto depth = [&](bool guided) {
+        std::vector<Guide> guides;
+        if (guided) guides = {guide(Plane{}, 400.0, push, below)};
+        Bench bench({device.file, device.plant, block, delay, false, true, {0.0, 0.0, 5e-4}, {}, guides});
+        double mean = 0.0;
+        for (int i = 0; i < 1000; ++i) {
+          REQUIRE(bench.press(guided ? 0.0 : push));
+          REQUIRE(bench.haptics->guard().fault() == GuardReason::none);
+          if (i >= 500) mean += bench.depth() / 500.0;
+        }
+        return mean;
+      };
+      const double byHand = depth(false), byGuide = depth(true);
+      INFO(device.file << ", delay " << delay << ": " << 1e6 * byHand << " um by hand, " << 1e6 * byGuide << " um");
+      CHECK(std::abs(byGuide - byHand) < 3e-5);
+    }
+}
+
 TEST_CASE("guidance: a guide does not push a movable obstacle, the wall does", "[guidance]") {
   Obstacle block;
   block.name = "block";
@@ -427,6 +457,42 @@ TEST_CASE("guidance: a guide does not push a movable obstacle, the wall does", "
   // The wall holds the tool against the guide: the motors give nothing, the block carries 2 N.
   CHECK(std::abs(bench.force()) < 0.02);
   CHECK(bench.state().offset[2] == Approx(-2.0 / 5e4).epsilon(0.02));
+}
+
+TEST_CASE("guidance: a bur that a guide presses cuts as one that a hand presses", "[guidance]") {
+  constexpr double kRadius = 0.5e-3, kPush = 2.0;  // m, N
+  const auto removed = [](bool guides) {
+    const auto solid =
+        std::make_shared<Solid>(MeshModel(test::boxMesh(Vec3(3e-3, 3e-3, 2e-3))),
+                                std::vector<SolidLayer>{{"dentine", {}, 0.6e9, 0.0, nullptr}}, SolidOptions{1e-4});
+    Bench::Setting pressed;
+    pressed.device = "tau-nominal.toml";
+    pressed.obstacle.name = "tooth";
+    pressed.obstacle.shape = std::shared_ptr<const Solid>(solid);
+    pressed.obstacle.pose.position.z() = -2e-3;
+    pressed.start = {0.0, 0.0, kRadius + 5e-5};
+    pressed.tool.parts[0].radius = kRadius;
+    Pose below;
+    below.position.z() = -0.02;
+    if (guides) pressed.guides = {guide(Plane{}, 1000.0, kPush, below)};
+    Bench bench(pressed);
+    Drill drill(pressed.tool, {solid}, Bur{0, 0.1, 2000.0});
+    drill.spin(true);
+    bench.haptics->attach(&drill);
+    double volume = 0.0;
+    for (int i = 0; i < 800; ++i) {
+      REQUIRE(bench.step([&](double, const Pose& pose, const Vec6& twist) {
+        Vec3 force = guidingWrench(pose, twist, bench.setup.start, Vec3::UnitZ()).head<3>();
+        force.z() -= (guides ? 0.0 : std::min(1.0, 0.01 * i) * kPush) + 3.0 * twist[2];
+        return force;
+      }));
+      volume += drill.removed()[0];
+    }
+    return volume;
+  };
+  const double byHand = removed(false);
+  CHECK(byHand > 1e-11);  // Archard's rate: 0.8 s of 0.1 x 2 N x 2 pi 0.5 mm x 2000 / s / 0.6 GPa are 1.7 mm^3
+  CHECK(removed(true) == Approx(byHand).epsilon(0.05));
 }
 
 TEST_CASE("guidance: it ramps in, begins again with other guides, and repeats its force without a sample",

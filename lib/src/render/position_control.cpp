@@ -85,8 +85,9 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   };
   // The states at the time when the command acts.
   struct alignas(64) Ahead {
-    States x, next;              // at that time, and a tick later without a force
+    States x, next;              // at that time, and a tick later with the guides alone
     States sensitivity;          // derivative of `next` by ln(mass), due to what acts from now on
+    Lane guide;                  // torque of the guides, which acts with the new command
     Lane pending[kMostPending];  // commands that may act instead of the new one, newest first
     PredictedModes modes;
   };
@@ -103,7 +104,8 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
   double largestSafe(const Ahead& a, const Lane& row, double step, double speed, double depth) noexcept;
-  void repeat(const Kinematics& now, TickOutput& output) const noexcept;
+  JointRow guideOf(const TickFrame& frame) const noexcept;
+  void repeat(const TickFrame& frame, TickOutput& output) const noexcept;
 
   PositionControlOptions options_;
   int joints_;
@@ -357,9 +359,10 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
     observer_.advanceSensitivity(command, a.x, a.sensitivity);
     observer_.advance(command, a.x);
   }
-  observer_.advanceSensitivity(Lane{}, a.x, a.sensitivity);
+  a.guide = toModes(guideOf(frame));
+  observer_.advanceSensitivity(a.guide, a.x, a.sensitivity);
   std::memcpy(a.next, a.x, sizeof a.next);
-  observer_.advance(Lane{}, a.next);
+  observer_.advance(a.guide, a.next);
   for (int d = 0; d < delay().pending; ++d) a.pending[d] = toModes(memory_.sent[d]);
   PredictedModes& m = a.modes;
   m = {};
@@ -382,6 +385,9 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
     m.nextRate[k] = (1.0 - rotor) * a.next[kLink + 1][k] + (kMech == 4 ? rotor * a.next[1][k] : 0.0);
   }
   observer_.law(s, a.x, a.pending, m.law);
+  // The total command K (r - w) contains the torque g of the guides: the rest is K (r - (w + g / K)).
+  for (int k = 0; frame.guide.size() == joints_ && k < joints_; ++k)
+    m.law.wouldBe[k] += a.guide[k] / m.law.stiffness[k];
 }
 
 // Largest force along a row of the modes that does not throw the tool out. The push must stop the outward motion within
@@ -411,8 +417,9 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
       byCommand -= outward[i][k] * observer_.commandSensitivity(i)[k] * row[k];
     }
   for (int d = 0; d <= late.low; ++d) observer_.pullBack(outward);
-  const auto force = observer_.moments(memory_.observer, push),
-             uncertain = observer_.moments(memory_.observer, outward);
+  auto force = observer_.moments(memory_.observer, push);
+  const auto uncertain = observer_.moments(memory_.observer, outward);
+  for (int k = 0; k < joints_; ++k) force.mean += push[kPush][k] * a.guide[k];
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
   const double turnsBack = std::sqrt(2.0 * rebound().distance(std::min(sure, memory_.step), mass, step) * sure / mass),
@@ -474,13 +481,23 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
   return std::min(asked, most) / total;
 }
 
+// Torque of the guides at driven joints.
+template <int kMech>
+JointRow PositionControlRenderer::ControllerOf<kMech>::guideOf(const TickFrame& frame) const noexcept {
+  JointRow guide{};
+  for (int j = 0; frame.guide.size() == joints_ && j < joints_; ++j)
+    if (frame.maxTorque[j] > 0.0) guide[j] = frame.guide[j];
+  return guide;
+}
+
 // Give the last answer again.
 template <int kMech>
-void PositionControlRenderer::ControllerOf<kMech>::repeat(const Kinematics& now, TickOutput& output) const noexcept {
+void PositionControlRenderer::ControllerOf<kMech>::repeat(const TickFrame& frame, TickOutput& output) const noexcept {
+  const JointRow guide = guideOf(frame);
   output.mode = memory_.lastNormal > 0.0 ? RenderMode::contact : RenderMode::free;
   output.normalForce = memory_.lastNormal;
   output.torque.resize(joints_);
-  for (int j = 0; j < joints_; ++j) output.torque[j] = now.gravity[j] + memory_.sent[0][j];
+  for (int j = 0; j < joints_; ++j) output.torque[j] = frame.kinematics.gravity[j] + (memory_.sent[0][j] - guide[j]);
 }
 
 template <int kMech>
@@ -493,7 +510,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   output.saturated = false;
   output.cables = m.observer.cable;
   if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {
-    repeat(kin, output);
+    repeat(frame, output);
     return Status::ok;
   }
   JointRow reading{};
@@ -545,7 +562,9 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   m.lastReading = reading;
   m.lastNormal = output.normalForce;
   for (int i = kMaxLoopDelay; i > 0; --i) m.sent[i] = m.sent[i - 1];
-  for (int j = 0; j < n; ++j) m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] : 0.0;
+  const JointRow guide = guideOf(frame);
+  for (int j = 0; j < n; ++j)
+    m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] + guide[j] : 0.0;
   return Status::ok;
 }
 

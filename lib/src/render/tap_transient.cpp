@@ -244,7 +244,9 @@ void TapTransient::sent(const TickFrame& frame) noexcept {
   const Kinematics& k = frame.kinematics;
   const bool isSound = frame.command.size() == k.gravity.size() && rendered_.size() == k.gravity.size();
   s.joints = isSound && s.obstacle >= 0.0 ? static_cast<double>(frame.command.size()) : 0.0;
-  for (int j = 0; j < static_cast<int>(s.joints); ++j) s.added[j] = frame.command[j] - rendered_[j];
+  const bool guided = frame.guide.size() == frame.command.size();  // the renderer knows the guides
+  for (int j = 0; j < static_cast<int>(s.joints); ++j)
+    s.added[j] = frame.command[j] - rendered_[j] - (guided ? frame.guide[j] : 0.0);
   std::copy_backward(s.sent.begin(), s.sent.end() - 1, s.sent.end());
   Eigen::Map<Vec3> newest(s.sent[0].data());
   newest.setZero();

@@ -131,6 +131,14 @@ Status HapticTick::findContacts(double time, double elapsed) noexcept {
 }
 
 Status HapticTick::render(Status status) noexcept {
+  added_ = effect_;
+  frame_.guide.resize(0);
+  if (status == Status::ok && hasGuides()) {
+    Vec6 wrench = Vec6::Zero();
+    wrench.head<3>() = guidance_.step(*scene_.scene().guides(), frame_);
+    frame_.guide = torqueOf(frame_.kinematics.jacobian, wrench);
+    added_ += wrench;
+  }
   if (status == Status::ok) {
     if (scene_.hasTaps())
       tap_.move(frame_, scene_.scene(), renderer_->delay(), guard_.options().period, mechanism_.limits());
@@ -140,8 +148,6 @@ Status HapticTick::render(Status status) noexcept {
     frame_.output = TickOutput{};
     frame_.output.torque.setZero(mechanism_.joints());
   }
-  added_ = effect_;
-  if (status == Status::ok && hasGuides()) added_.head<3>() += guidance_.step(*scene_.scene().guides(), frame_);
   if (status == Status::ok && !added_.isZero(0.0)) frame_.output.torque += torqueOf(frame_.kinematics.jacobian, added_);
   return status;
 }

@@ -47,8 +47,8 @@ inline constexpr double kFarthest = 100.0, kFastest = 100.0, kFastestTurn = 1000
 /// Least inertia of a suspension that is not 0, kg and kg m^2. A lighter obstacle would be lost in rounding.
 inline constexpr double kLeastMovableInertia = 1e-12;
 
-/// A list of obstacles, and guides. Add them before the ticks begin: in a tick only poses, twists and `active` may change. To add
-/// obstacles later, give the tick a new TickScene.
+/// A list of obstacles, and guides. Add them before the ticks begin: in a tick only poses, twists and `active` may
+/// change. To add obstacles later, give the tick a new TickScene.
 class Scene {
  public:
   /// Add an obstacle and return its number, counted from 0. Realtime: no.

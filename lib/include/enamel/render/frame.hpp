@@ -93,6 +93,9 @@ struct TickFrame {
   ContactYield yield;
 
   // Render.
+  /// Torque of the guides, which the tick adds to the renderer's, N m or N; empty: none. A renderer must hold the walls
+  /// against it.
+  JointVector guide;
   TickOutput output;
 
   /// Force that the guides of the scene had on the TCP on the way since the last sample, without damping, W, N. It is
