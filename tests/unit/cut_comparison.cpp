@@ -106,6 +106,19 @@ TEST_CASE("cut comparison: a ball cut out of a block, against a larger, a smalle
     CHECK(sum(moved.whole.underCut) == Approx(lune).margin(tolerance));
     CHECK(moved.whole.highest == Approx(away).margin(2.0 * off));
     CHECK(moved.whole.deepest == Approx(away).margin(2.0 * off));
+    // Towards the other ball's centre by u times the radius, the surfaces are apart by this distance.
+    std::vector<double> apart;
+    for (double u = -1.0; u < 1.0; u += 1e-4)
+      apart.push_back(std::abs(std::sqrt(radius * radius + away * away - 2.0 * radius * away * u) - radius));
+    std::sort(apart.begin(), apart.end());
+    CHECK(moved.whole.p95 == Approx(apart[apart.size() * 95 / 100]).margin(0.02 * away));
+    CHECK(moved.whole.mean ==
+          Approx(std::accumulate(apart.begin(), apart.end(), 0.0) / static_cast<double>(apart.size()))
+              .margin(0.02 * away));
+    int misplaced = 0;  // the ball is the preparation, and the block's sides are not
+    for (std::size_t v = 0; v < moved.isPrepared.size(); ++v)
+      misplaced += (moved.isPrepared[v] != 0) != ((moved.surface.vertices[v] - centre).norm() < radius + cell);
+    CHECK(misplaced == 0);
     errors.push_back(
         {std::abs(sum(small.whole.underCut) / (ballVolume(more) - ballVolume(radius)) - 1.0),
          std::abs(sum(large.whole.overCut) / (ballVolume(radius) - ballVolume(0.7e-3)) - 1.0),
@@ -138,7 +151,7 @@ TEST_CASE("cut comparison: floors and walls of a step, layers by depth", "[unit]
   checkSums(c);
   // Turned by 90 deg about y, the side is the floor.
   const CutComparison turned =
-      compareCut(solid, MeshModel(test::transformed(test::boxMesh(kHalf - less), 1.0, -less)), Vec3(5.0, 0.0, 0.0));
+      compareCut(solid, MeshModel(test::transformed(test::boxMesh(kHalf - less), 1.0, -less)), Vec3(0.1, 0.0, 0.0));
   CHECK(sum(turned.floors.underCut) > 0.99 * side);
   CHECK(sum(turned.walls.underCut) > 0.99 * top);
   // Dentine is a box 0.4 mm inside the block. A cell has the layer of its corner, so a border is off by up to a cell.

@@ -1,6 +1,8 @@
 // Files of solids: every bit survives, and files that were cut or changed are refused with their name.
 #include "enamel/collision/solid_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "enamel/collision/scene_file.hpp"
@@ -15,7 +17,7 @@ namespace enamel::test_solid_file {
 
 namespace {
 
-const Vec3 kHalf(1.1e-3, 0.9e-3, 0.8e-3);
+const Vec3 kHalf(1.1e-3, 0.9e-3, 0.8e-3), kCentre(1e-3, 2e-3, 3e-3);
 constexpr double kCell = 1e-4;
 constexpr std::size_t kPreamble = 24;
 
@@ -31,11 +33,11 @@ Solid tooth() {
   layers[2].name = "pulp";
   layers[2].within =
       std::make_shared<const MeshModel>(test::transformed(test::ball(2), 0.3e-3, Vec3(0.2e-3, 0.0, 0.0)));
-  return Solid(MeshModel(test::transformed(test::boxMesh(kHalf), 1.0, Vec3(1e-3, 2e-3, 3e-3))), layers, {kCell, 100});
+  return Solid(MeshModel(test::transformed(test::boxMesh(kHalf), 1.0, kCentre)), layers, {kCell, 100});
 }
 
 Segment randomAxis(test::Random& random) {
-  const Vec3 a = Vec3(1e-3, 2e-3, 3e-3) + kHalf.cwiseProduct(random.vector(1.0));
+  const Vec3 a = kCentre + kHalf.cwiseProduct(random.vector(1.0));
   return {a, a + random.vector(3e-4)};
 }
 
@@ -71,7 +73,7 @@ void checkSame(const Solid& a, const Solid& b) {
   }
   test::Random random(5710);
   for (int i = 0; i < 200; ++i) {
-    const Vec3 p = Vec3(1e-3, 2e-3, 3e-3) + random.vector(2e-3);
+    const Vec3 p = kCentre + random.vector(2e-3);
     const SolidPoint x = signedDistance(a, p), y = signedDistance(b, p);
     differ += x.distance != y.distance || x.point != y.point || x.normal != y.normal || x.layer != y.layer;
     differ += a.layerAt(p) != b.layerAt(p) || a.brickAt(p) != b.brickAt(p);
@@ -174,7 +176,10 @@ TEST_CASE("solid file: what was cut off or changed is refused", "[unit]") {
   CHECK_THROWS_WITH(loadSolid(folder / "none.solid"), test::ContainsSubstring("none.solid"));
   CHECK_THROWS_WITH(parseSolid(whole, path, -1), test::ContainsSubstring("undo"));
   CHECK_THAT(problemOf("ply\nformat"), test::ContainsSubstring("a.solid: is not a saved solid"));
-  CHECK_THAT(problemOf(whole + "x"), test::ContainsSubstring("is damaged"));
+  std::string longer = whole + "x";
+  CHECK_THAT(problemOf(longer), test::ContainsSubstring("is damaged"));
+  setChecksum(longer);
+  CHECK_THAT(problemOf(longer), test::ContainsSubstring("bytes after the last brick"));
   std::string other = whole;
   other[8] = 2;
   CHECK_THAT(problemOf(other), test::ContainsSubstring("has the version 2 of saved solids, must be 1"));
@@ -218,7 +223,7 @@ TEST_CASE("solid file: impossible values are named", "[unit]") {
   const test::TemporaryFolder folder;
   std::vector<SolidLayer> layers(1);
   layers[0].name = "only";
-  Solid solid(MeshModel(test::boxMesh(kHalf)), layers, {kCell});
+  Solid solid(MeshModel(test::transformed(test::boxMesh(kHalf), 1.0, kCentre)), layers, {kCell});
   cutAnyhow(solid, 5718, 5);
   saveSolid(solid, folder / "a.solid");
   const std::string whole = test::readFile(folder / "a.solid");
@@ -246,6 +251,30 @@ TEST_CASE("solid file: impossible values are named", "[unit]") {
   CHECK_THAT(with(brick + 13, static_cast<char>(1)), test::ContainsSubstring("brick 0: its layer"));
   CHECK_THAT(with(brick + 14, 3.0f), test::ContainsSubstring("brick 0: a sample"));
   CHECK_THAT(with(brick + 14, std::nanf("")), test::ContainsSubstring("brick 0: a sample"));
+  // Each brick in the place of the first one, and each cut one with more material than before at a sample.
+  int cut = 0;
+  std::size_t at = brick;
+  for (int i = 0; i < solid.bricks(); ++i) {
+    const std::string name = "brick " + std::to_string(i);
+    std::array<std::int32_t, 3> place;
+    std::memcpy(place.data(), whole.data() + kPreamble + brick, sizeof place);
+    if (i > 0) CHECK_THAT(with(at, place), test::ContainsSubstring(name + ": it is in the place of another"));
+    const int flags = whole[kPreamble + at + 12];
+    const std::size_t original = at + 13 + ((flags & 2) != 0 ? 512 : 1);
+    const std::size_t now = original + ((flags & 1) != 0 ? sizeof(BrickSamples) : 0);
+    BrickSamples before;
+    before.fill(-Solid::kBand);
+    if ((flags & 1) != 0) std::memcpy(before.data(), whole.data() + kPreamble + original, sizeof before);
+    const auto high = static_cast<std::size_t>(std::max_element(before.begin(), before.end()) - before.begin());
+    if ((flags & 4) != 0 && before[high] > -Solid::kBand) {
+      CHECK_THAT(with(now + high * sizeof(float), -Solid::kBand),
+                 test::ContainsSubstring(name + ": a cut has added material"));
+      ++cut;
+    }
+    at = now + ((flags & 4) != 0 ? sizeof(BrickSamples) : 0);
+  }
+  CHECK(kPreamble + at == whole.size());
+  CHECK(cut > 0);
 }
 
 }  // namespace enamel::test_solid_file

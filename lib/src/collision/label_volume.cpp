@@ -158,7 +158,6 @@ Solid solidOf(const LabelVolume& volume, const std::vector<LabelLayer>& layers, 
     solidLayers.front().depth = 0.0;
     solidLayers.front().within = border;
   }
-  solidLayers.front().within = nullptr;  // the first layer begins at the surface
   return Solid(*border, solidLayers, options);
 }
 
