@@ -120,7 +120,7 @@ class Scenes(unittest.TestCase):
         with self.assertRaisesRegex(enamel.Error, "a puncture force needs a thickness"):
             scene.soften(ball, 1500.0, puncture=3.0)
         scene.set_surface(ball, friction=0.4, sliding_friction=0.2, stribeck_speed=0.01, roughness=5e-6, wavelength=3e-4)
-        with self.assertRaisesRegex(enamel.Error, "a roughness of 1e-05 m and a wavelength of 0.0003 m"):
+        with self.assertRaisesRegex(enamel.Error, "a roughness of 1e-05 m and a wavelength of 3e-04 m"):
             scene.set_surface(ball, roughness=1e-5, wavelength=3e-4)
         with self.assertRaisesRegex(enamel.Error, "sliding friction in 0 to friction"):
             scene.set_surface(ball, friction=0.4, sliding_friction=0.5)

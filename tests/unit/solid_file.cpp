@@ -233,8 +233,8 @@ TEST_CASE("solid file: impossible values are named", "[unit]") {
     setChecksum(bytes);
     return problemOf(bytes);
   };
-  // cell, origin, three counts, two numbers, length of a name, "only", twelve numbers, the first brick
-  const std::size_t hardness = 8 + 24 + 12 + 8 + 4 + 4, brick = hardness + 12 * 8;
+  // cell, origin, three counts, two numbers, length of a name, "only", fifteen numbers, the first brick
+  const std::size_t hardness = 8 + 24 + 12 + 8 + 4 + 4, brick = hardness + 15 * 8;
   CHECK_THAT(with(0, 1e-9), test::ContainsSubstring("cell"));
   CHECK_THAT(with(0, std::nan("")), test::ContainsSubstring("cell"));
   CHECK_THAT(with(8, 1e300), test::ContainsSubstring("1e9 m"));
