@@ -42,6 +42,8 @@ std::string count(int number, const char* what) { return fmt::format("{} {}{}", 
 std::string materialText(const Material& m) {
   std::string text = std::isinf(m.stiffness) ? "rigid" : fmt::format("{:.4g} N/m", m.stiffness);
   text += m.friction > 0.0 ? fmt::format(", friction {:.3g}", m.friction) : ", without friction";
+  if (m.slidingFriction != m.friction) text += fmt::format(", {:.3g} while sliding", m.slidingFriction);
+  if (m.stribeck > 0.0) text += fmt::format(" (Stribeck speed {:.3g} m/s)", m.stribeck);
   if (m.viscosity > 0.0) text += fmt::format(", {:.3g} N s/m", m.viscosity);
   if (m.roughness > 0.0)
     text += fmt::format(", rough: {:.3g} um, waves up to {:.3g} mm", 1e6 * m.roughness, 1e3 * m.wavelength);
@@ -121,7 +123,9 @@ void run(const SceneOptions& options) {
     for (const Guide& guide : *guides)
       fmt::print("{:<12} {}, {:.4g} N/m, at most {:.3g} N\n", "guide", kGuides[guide.shape.index()], guide.stiffness,
                  guide.maxForce);
-  if (file.bur) fmt::print("{:<12} part {} of the tool cuts\n", "bur", file.bur->part);
+  if (file.bur)
+    fmt::print("{:<12} part {} of the tool cuts, {:.4g} 1/min{}\n", "bur", file.bur->part, 60.0 * file.bur->turns,
+               std::isinf(file.bur->torque) ? "" : fmt::format(", {:.3g} N mm at rest", 1e3 * file.bur->torque));
   for (const std::string& note : file.notes) fmt::print("note: {}\n", note);
   if (options.explain) explain(file, seconds);
 }

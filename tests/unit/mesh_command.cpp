@@ -64,7 +64,10 @@ TEST_CASE("a scene says what it is made of and what a tick of it costs, a broken
   CHECK_THAT(caries.output, ContainsSubstring("layer of 1.7 mm, hysteresis 2 s/m, breaks at 3 N\n"));
   CHECK_THAT(test::run("scene " + scenes + "taps.toml").output, ContainsSubstring("a tap rings at 310 Hz"));
   CHECK_THAT(test::run("scene " + scenes + "surfaces.toml").output,
-             ContainsSubstring("rigid, friction 0.2, rough: 6 um, waves up to 0.3 mm"));
+             ContainsSubstring("rigid, friction 0.2, rough: 6 um, waves up to 0.3 mm") &&
+                 ContainsSubstring("rigid, friction 0.5, 0.2 while sliding (Stribeck speed 0.01 m/s)"));
+  CHECK_THAT(test::run("scene " + scenes + "slow-bur.toml").output,
+             ContainsSubstring("part 0 of the tool cuts, 3600 1/min, 2 N mm at rest"));
   CHECK_THAT(test::run("scene " + scenes + "guides.toml").output,
              ContainsSubstring("guide        half space, 100 N/m, at most 1.5 N"));
   const test::CommandResult none = test::run("scene " + (folder / "none.toml"));
