@@ -88,6 +88,38 @@ struct Bench {
   std::unique_ptr<LoopBody> loop;
 };
 
+// A second tick of the bench, with position control of its own, that continues from the saved state of the first.
+class ContinuedTick {
+ public:
+  explicit ContinuedTick(Bench& bench)
+      : bench_(bench),
+        renderer_(positionControlFor(*bench.mechanism, kTick, 0, 0)),
+        tick_(*bench.mechanism, bench.scene, Tool{}, renderer_, kTick, bench.setup.start) {
+    std::vector<double> state(bench.haptics->stateSize() / sizeof(double) + 1);
+    bench.haptics->saveState(state.data());
+    tick_.loadState(state.data());
+  }
+
+  // Run both with the pose of the last tick, each joint moved by `way`, and require the same bits.
+  void stepBoth(double way = 0.0) {
+    const TickFrame& last = bench_.haptics->frame();
+    Measurement measured;
+    measured.time = last.time + kTick;
+    measured.q = last.kinematics.q.array() + way;
+    measured.rates = last.kinematics.rates;
+    Command a, b;
+    REQUIRE((*bench_.haptics)(measured, a) == tick_(measured, b));
+    REQUIRE(a.effort == b.effort);
+  }
+
+  const HapticTick& tick() const { return tick_; }
+
+ private:
+  Bench& bench_;
+  PositionControlRenderer renderer_;
+  HapticTick tick_;
+};
+
 // Two devices with imperfections, and a light one. `force`: of a hand, N.
 struct BenchDevice {
   const char *file, *plant;

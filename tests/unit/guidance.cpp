@@ -92,6 +92,15 @@ Bench::Setting setting(const test::BenchDevice& device, int delay, const Vec3& s
   return {device.file, device.plant, farBlock(), delay, spring, true, start, {}, guides};
 }
 
+// A block whose top is the plane z = 0.
+Obstacle blockBelow() {
+  Obstacle block;
+  block.name = "block";
+  block.shape = Box{{0.02, 0.02, 0.01}};
+  block.pose.position = {0.0, 0.0, -0.01};
+  return block;
+}
+
 }  // namespace
 
 TEST_CASE("guidance: the error leads to the nearest point of the shape, and its rate is the derivative", "[guidance]") {
@@ -358,10 +367,7 @@ TEST_CASE("guidance: stored energy that returns is no fault, energy of a late fo
 }
 
 TEST_CASE("guidance: without stiffness or force the ticks are those without guides, bit for bit", "[guidance]") {
-  Obstacle block;
-  block.name = "block";
-  block.shape = Box{{0.02, 0.02, 0.01}};
-  block.pose.position = {0.0, 0.0, -0.01};
+  Obstacle block = blockBelow();
   for (const bool spring : {false, true})
     for (const std::vector<Guide>& none : {std::vector<Guide>{line(0.0, 5.0)}, {line(300.0, 0.0)}}) {
       Bench without({"tau-nominal.toml", kClosedForm, block, 1, spring, true});
@@ -376,10 +382,7 @@ TEST_CASE("guidance: without stiffness or force the ticks are those without guid
 }
 
 TEST_CASE("guidance: position control on a wall stays stable beside a guide", "[guidance]") {
-  Obstacle block;
-  block.name = "block";
-  block.shape = Box{{0.02, 0.02, 0.01}};
-  block.pose.position = {0.0, 0.0, -0.01};
+  Obstacle block = blockBelow();
   block.material.friction = block.material.slidingFriction = 0.2;
   for (const test::BenchDevice& device : test::kBenchDevices)
     for (const int delay : {0, 1, 2}) {
@@ -400,10 +403,7 @@ TEST_CASE("guidance: position control on a wall stays stable beside a guide", "[
 }
 
 TEST_CASE("guidance: position control holds a wall against a guide", "[guidance]") {
-  Obstacle block;
-  block.name = "block";
-  block.shape = Box{{0.02, 0.02, 0.01}};
-  block.pose.position = {0.0, 0.0, -0.01};
+  Obstacle block = blockBelow();
   Pose below;
   below.position = {0.0, 0.0, -0.02};
   for (const test::BenchDevice& device : test::kBenchDevices)
@@ -429,10 +429,7 @@ TEST_CASE("guidance: position control holds a wall against a guide", "[guidance]
 }
 
 TEST_CASE("guidance: a guide does not push a movable obstacle, the wall does", "[guidance]") {
-  Obstacle block;
-  block.name = "block";
-  block.shape = Box{{0.02, 0.02, 0.01}};
-  block.pose.position = {0.0, 0.0, -0.01};
+  Obstacle block = blockBelow();
   Suspension s;
   s.centre = {0.0, 0.0, 0.01};
   s.inertia << 0.0, 0.0, 2e-3, 0.0, 0.0, 0.0;
@@ -574,22 +571,8 @@ TEST_CASE("guidance: a saved state continues bit for bit", "[guidance]") {
     Bench bench(setting(device, 0, {0.0, 5e-3, -5e-3}, {line(), guide(Box{{0.001, 0.001, 0.001}})}));
     for (int i = 0; i < ticks; ++i)
       REQUIRE(bench.step([&](double time, const Pose&, const Vec6&) { return Vec3(std::sin(20.0 * time), 0.5, 0.0); }));
-    HapticTick copy(*bench.mechanism, bench.scene, Tool{}, *bench.renderer, kTick, bench.setup.start);
-    PositionControlRenderer other(positionControlFor(*bench.mechanism, kTick, 0, 0));
-    other.activate(kTick);
-    std::vector<double> state(bench.haptics->stateSize() / sizeof(double) + 1);
-    bench.haptics->saveState(state.data());
-    copy.select(other);
-    copy.loadState(state.data());
-    for (int i = 0; i < 100; ++i) {
-      Measurement measured;
-      measured.time = bench.haptics->frame().time + kTick;
-      measured.q = bench.haptics->frame().kinematics.q + 1e-5 * JointVector::Ones(6);
-      measured.rates = bench.haptics->frame().kinematics.rates;
-      Command a, b;
-      REQUIRE((*bench.haptics)(measured, a) == copy(measured, b));
-      REQUIRE(a.effort == b.effort);
-    }
+    test::ContinuedTick copy(bench);
+    for (int i = 0; i < 100; ++i) copy.stepBoth(1e-5);
   }
   Path path({line()});
   (void)path.rest({0.0, 0.0, -1.0});

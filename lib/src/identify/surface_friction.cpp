@@ -64,39 +64,49 @@ class Slides {
     for (const SlideSample& s : slides) least = std::min(least, s.speed), most = std::max(most, s.speed);
     low_ = std::log(least);
     high_ = std::log(most);
+    for (int i = 0; i <= kGrid; ++i) grid_.push_back(sumsAt(low_ + i * step()));
   }
 
   // The best solution without one block; -1: with all.
   Solution without(int block, bool hasStribeck) const {
-    if (!hasStribeck || !(high_ > low_)) return at(low_, block, false);
-    double best = low_, step = (high_ - low_) / kGrid;
-    for (int i = 1; i <= kGrid; ++i)
-      if (at(low_ + i * step, block, true).squares < at(best, block, true).squares) best = low_ + i * step;
-    for (; step > kRange; step *= 0.5)
-      for (const double next : {best - step, best + step})
-        if (at(next, block, true).squares < at(best, block, true).squares) best = next;
-    return at(best, block, true);
+    hasStribeck = hasStribeck && high_ > low_;
+    Solution best = solutionOf(grid_[0], block, low_, hasStribeck);
+    if (!hasStribeck) return best;
+    const auto use = [&](const Sums& sums, double logSpeed) {
+      const Solution next = solutionOf(sums, block, logSpeed, true);
+      if (next.squares < best.squares) best = next;
+    };
+    for (int i = 1; i <= kGrid; ++i) use(grid_[static_cast<std::size_t>(i)], low_ + i * step());
+    for (double way = step(); way > kRange; way *= 0.5)
+      for (const double next : {best.logSpeed - way, best.logSpeed + way}) use(sumsAt(next), next);
+    return best;
   }
 
   double low() const { return low_; }
   double high() const { return high_; }
 
  private:
-  Solution at(double logSpeed, int block, bool hasStribeck) const {
-    if (!(logSpeed == sumsAt_)) {
-      const double speed = std::exp(logSpeed);
-      sums_.fill(Products::Zero());
-      for (std::size_t i = 0; i < slides_.size(); ++i) {
-        const SlideSample& s = slides_[i];
-        const double ratio = s.speed / speed;
-        const Eigen::Vector4d row(s.normal, s.normal * std::exp(-ratio * ratio), s.speed, s.tangential);
-        sums_[i * kBlocks / slides_.size()] += row * row.transpose();
-      }
-      sumsAt_ = logSpeed;
+  using Sums = std::array<Products, kBlocks>;
+
+  double step() const { return (high_ - low_) / kGrid; }
+
+  Sums sumsAt(double logSpeed) const {
+    const double speed = std::exp(logSpeed);
+    Sums sums;
+    sums.fill(Products::Zero());
+    for (std::size_t i = 0; i < slides_.size(); ++i) {
+      const SlideSample& s = slides_[i];
+      const double ratio = s.speed / speed;
+      const Eigen::Vector4d row(s.normal, s.normal * std::exp(-ratio * ratio), s.speed, s.tangential);
+      sums[i * kBlocks / slides_.size()] += row * row.transpose();
     }
+    return sums;
+  }
+
+  static Solution solutionOf(const Sums& sums, int without, double logSpeed, bool hasStribeck) {
     Products all = Products::Zero();
     for (int b = 0; b < kBlocks; ++b)
-      if (b != block) all += sums_[static_cast<std::size_t>(b)];
+      if (b != without) all += sums[static_cast<std::size_t>(b)];
     Solution solution = solve(all, hasStribeck);
     solution.logSpeed = logSpeed;
     return solution;
@@ -104,8 +114,7 @@ class Slides {
 
   const std::vector<SlideSample>& slides_;
   double low_, high_;
-  mutable std::array<Products, kBlocks> sums_;
-  mutable double sumsAt_ = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Sums> grid_;
 };
 
 using Numbers = Eigen::Vector4d;  // mu_s, mu_k, ln v_s, viscosity

@@ -7,6 +7,7 @@
 
 #include "enamel/collision/scene.hpp"
 #include "enamel/collision/tool.hpp"
+#include "render/scene_surfaces.hpp"
 
 namespace enamel {
 namespace {
@@ -84,13 +85,8 @@ double compressionUnder(const Material& m, double force, double before, double p
   return compressionInSeries(m, kSoft * force, kSoft, before, period);
 }
 
-ComplianceMemory::ComplianceMemory(const Scene& scene) {
-  for (const Obstacle& obstacle : scene.obstacles()) {
-    isAny_ = isAny_ || obstacle.material.isLayer();
-    if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape))
-      for (const SolidLayer& layer : (*solid)->layers()) isAny_ = isAny_ || layer.material.isLayer();
-  }
-}
+ComplianceMemory::ComplianceMemory(const Scene& scene)
+    : isAny_(anySurface(scene, [](const Material& material, const Tap&) { return material.isLayer(); })) {}
 
 void ComplianceMemory::enter(const Scene& scene, const Tool& tool, ContactSnapshot& contacts) noexcept {
   if (!isAny_) return;

@@ -100,12 +100,12 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   Rebound rebound() const noexcept { return {delay().reaction, options_.encoderStep}; }
   JointRow acting(int ahead) const noexcept;
   void learnDelay(const TickFrame& frame, const Lane& reading, const Lane& command) noexcept;
-  void predict(const TickFrame& frame, const JointRow& reading, Ahead& a) const noexcept;
+  void predict(const TickFrame& frame, const JointRow& reading, const JointRow& guide, Ahead& a) const noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
   double largestSafe(const Ahead& a, const Lane& row, double step, double speed, double depth) noexcept;
   JointRow guideOf(const TickFrame& frame) const noexcept;
-  void repeat(const TickFrame& frame, TickOutput& output) const noexcept;
+  void repeat(const Kinematics& now, const JointRow& guide, TickOutput& output) const noexcept;
 
   PositionControlOptions options_;
   int joints_;
@@ -349,7 +349,7 @@ void PositionControlRenderer::ControllerOf<kMech>::learnDelay(const TickFrame& f
 
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& frame, const JointRow& reading,
-                                                           Ahead& a) const noexcept {
+                                                           const JointRow& guide, Ahead& a) const noexcept {
   const typename Observer::State& s = memory_.observer;
   const double T = options_.period, scale = std::exp(s.scale);
   std::memcpy(a.x, s.mean, sizeof a.x);
@@ -359,7 +359,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
     observer_.advanceSensitivity(command, a.x, a.sensitivity);
     observer_.advance(command, a.x);
   }
-  a.guide = toModes(guideOf(frame));
+  a.guide = toModes(guide);
   observer_.advanceSensitivity(a.guide, a.x, a.sensitivity);
   std::memcpy(a.next, a.x, sizeof a.next);
   observer_.advance(a.guide, a.next);
@@ -386,8 +386,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   }
   observer_.law(s, a.x, a.pending, m.law);
   // The total command K (r - w) contains the torque g of the guides: the rest is K (r - (w + g / K)).
-  for (int k = 0; frame.guide.size() == joints_ && k < joints_; ++k)
-    m.law.wouldBe[k] += a.guide[k] / m.law.stiffness[k];
+  for (int k = 0; k < joints_; ++k) m.law.wouldBe[k] += a.guide[k] / m.law.stiffness[k];
 }
 
 // Largest force along a row of the modes that does not throw the tool out. The push must stop the outward motion within
@@ -492,12 +491,12 @@ JointRow PositionControlRenderer::ControllerOf<kMech>::guideOf(const TickFrame& 
 
 // Give the last answer again.
 template <int kMech>
-void PositionControlRenderer::ControllerOf<kMech>::repeat(const TickFrame& frame, TickOutput& output) const noexcept {
-  const JointRow guide = guideOf(frame);
+void PositionControlRenderer::ControllerOf<kMech>::repeat(const Kinematics& now, const JointRow& guide,
+                                                          TickOutput& output) const noexcept {
   output.mode = memory_.lastNormal > 0.0 ? RenderMode::contact : RenderMode::free;
   output.normalForce = memory_.lastNormal;
   output.torque.resize(joints_);
-  for (int j = 0; j < joints_; ++j) output.torque[j] = frame.kinematics.gravity[j] + (memory_.sent[0][j] - guide[j]);
+  for (int j = 0; j < joints_; ++j) output.torque[j] = now.gravity[j] + (memory_.sent[0][j] - guide[j]);
 }
 
 template <int kMech>
@@ -507,10 +506,11 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   const int n = joints_;
   if (kin.q.size() != n || frame.rows.count != frame.contacts.count) return Status::outOfRange;
   const double elapsed = frame.time - m.lastTime;
+  const JointRow guide = guideOf(frame);
   output.saturated = false;
   output.cables = m.observer.cable;
   if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {
-    repeat(frame, output);
+    repeat(kin, guide, output);
     return Status::ok;
   }
   JointRow reading{};
@@ -523,7 +523,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   if (m.doubts > kMostDoubts) return Status::outOfRange;  // no tool moves like this
 
   Ahead a;
-  predict(frame, reading, a);
+  predict(frame, reading, guide, a);
   double sum = 0.0;
   for (int k = 0; k < n; ++k) sum += a.modes.next[k] + a.modes.law.wouldBe[k];
   if (!std::isfinite(sum)) return Status::notFinite;
@@ -562,7 +562,6 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   m.lastReading = reading;
   m.lastNormal = output.normalForce;
   for (int i = kMaxLoopDelay; i > 0; --i) m.sent[i] = m.sent[i - 1];
-  const JointRow guide = guideOf(frame);
   for (int j = 0; j < n; ++j)
     m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] + guide[j] : 0.0;
   return Status::ok;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include "core/trigonometry.hpp"
 #include "enamel/render/renderer.hpp"
+#include "render/scene_surfaces.hpp"
 
 namespace enamel {
 namespace {
@@ -19,7 +19,7 @@ using Numbers = Eigen::Array<double, kWaveCount, 1>;
 // The waves of a surface whose longest wavelength is 1 and whose root mean square height is 1.
 struct Waves {
   Numbers length, amplitude, phase;
-  Eigen::Array<double, kWaveCount, 3> direction;
+  Eigen::Matrix<double, kWaveCount, 3> q;  // wave vectors
 };
 
 // Directions lie on a spiral over the sphere, in an order without a trend; phases follow the golden ratio.
@@ -31,9 +31,9 @@ const Waves kUnitWaves = [] {
     const int place = k * kStride % kWaveCount;
     const double z = 1.0 - (2.0 * place + 1.0) / kWaveCount, turn = 2.0 * M_PI * kGolden * place;
     const double across = std::sqrt(1.0 - z * z);
-    waves.direction.row(k) << across * std::cos(turn), across * std::sin(turn), z;
     waves.phase[k] = 2.0 * M_PI * std::fmod(kGolden * (k + 1), 1.0);
     waves.length[k] = std::pow(kDecade, -k / (kWaveCount - 1.0));
+    waves.q.row(k) = 2.0 * M_PI / waves.length[k] * Vec3(across * std::cos(turn), across * std::sin(turn), z);
     waves.amplitude[k] = std::pow(waves.length[k], kHurst);
   }
   waves.amplitude *= std::sqrt(2.0 / waves.amplitude.square().sum());
@@ -45,26 +45,21 @@ const Waves kUnitWaves = [] {
 SurfaceHeight heightAt(const Material& material, const Vec3& place, double radius, double passed) noexcept {
   SurfaceHeight surface;
   if (!(material.roughness > 0.0)) return surface;
-  const Numbers length = material.wavelength * kUnitWaves.length, wave = 2.0 * M_PI / length;
+  const Numbers length = material.wavelength * kUnitWaves.length;
   Numbers amplitude =
       (material.roughness * kUnitWaves.amplitude).min(length.square() / (16.0 * std::max(radius, 1e-9)));
   const double step = std::max(passed, 1e-12);
   amplitude *= (length / step).unaryExpr(&sampledShare);
-  const Numbers angle = wave * (kUnitWaves.direction.matrix() * place).array() + kUnitWaves.phase;
+  const Numbers angle = (kUnitWaves.q * (place / material.wavelength)).array() + kUnitWaves.phase;
   Numbers sine, cosine;
   sinCos<kWaveCount>(angle, sine, cosine);
   surface.height = (amplitude * cosine).sum();
-  surface.gradient = -(kUnitWaves.direction.matrix().transpose() * (amplitude * wave * sine).matrix());
+  surface.gradient = kUnitWaves.q.transpose() * (amplitude * sine).matrix() / -material.wavelength;
   return surface;
 }
 
 bool isRough(const Scene& scene) noexcept {
-  return std::any_of(scene.obstacles().begin(), scene.obstacles().end(), [](const Obstacle& obstacle) {
-    if (const auto* const solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape))
-      return std::any_of((*solid)->layers().begin(), (*solid)->layers().end(),
-                         [](const SolidLayer& layer) { return layer.material.roughness > 0.0; });
-    return obstacle.material.roughness > 0.0;
-  });
+  return anySurface(scene, [](const Material& material, const Tap&) { return material.roughness > 0.0; });
 }
 
 void roughen(const Scene& scene, const Tool& tool, const Kinematics& kinematics, const JointVector& encoderStep,

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "enamel/render/renderer.hpp"
+#include "render/scene_surfaces.hpp"
 
 namespace enamel {
 namespace {
@@ -53,15 +54,7 @@ Eigen::Map<const Vec3> tapNormal(const std::array<double, 3>& normal) noexcept {
 }  // namespace
 
 bool hasTaps(const Scene& scene) noexcept {
-  for (const Obstacle& obstacle : scene.obstacles()) {
-    if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) {
-      for (const SolidLayer& layer : (*solid)->layers())
-        if (isOn(layer.tap)) return true;
-    } else if (isOn(obstacle.tap)) {
-      return true;
-    }
-  }
-  return false;
+  return anySurface(scene, [](const Material&, const Tap& tap) { return isOn(tap); });
 }
 
 const Contact* TapTransient::contactOf(const TickFrame& frame) const noexcept {

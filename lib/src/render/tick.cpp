@@ -163,7 +163,8 @@ double HapticTick::share() const noexcept {
 // Force of the command on the tool, without effect and guides, W, N.
 Vec3 HapticTick::wallForce() const noexcept {
   const Kinematics& k = frame_.kinematics;
-  return wrenchOf(k, frame_.command - k.gravity).head<3>() - share() * added_.head<3>();
+  const Vec3 force = wrenchOf(k, frame_.command - k.gravity).head<3>();
+  return added_.isZero(0.0) ? force : Vec3(force - share() * added_.head<3>());
 }
 
 // The force of the walls on the tool acts on the obstacles. The renderer's forces say how it divides
