@@ -52,6 +52,10 @@ TEST_CASE("the height of a rough surface has the stated root mean square and no 
   // The standard deviation of the mean is 0.7 % of the roughness, that of the root mean square about 0.5 %.
   CHECK(std::abs(sum / 20000.0) < 0.03 * material.roughness);
   CHECK(rms(heights) == Approx(material.roughness).epsilon(0.025));
+  std::vector<double> felt;  // by a ball of 2 mm: lib/docs/surfaces.md
+  for (std::uint32_t i = 0; i < 20000; ++i)
+    felt.push_back(heightAt(rough(6e-6, 3e-4), 0.1 * place(i), 1e-3, 0.0).height);
+  CHECK(rms(felt) == Approx(5.2e-6).epsilon(0.03));
   CHECK(heightAt(Material{}, Vec3(1e-3, 2e-3, 3e-3), 0.0, 0.0).height == 0.0);
 }
 
