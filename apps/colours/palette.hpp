@@ -1,6 +1,11 @@
 // Colours of the viewer: calm backgrounds, and signals that colour-blind people can distinguish (Okabe and Ito 2008).
 #pragma once
 
+#include <cstddef>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
 #include "enamel/core/types.hpp"
 
 namespace enamel::viewer {
@@ -33,10 +38,15 @@ inline constexpr unsigned kEnamel = 0xF3EAD6, kEnamelGrid = 0xBFA873, kEnamelEdg
 inline constexpr unsigned kGum = 0xF2B3AA, kGumBack = 0xC98680, kGumEdge = 0xB06A64, kSectionEdge = 0x7A5B34;
 inline constexpr unsigned kBurSteel = 0xA9B2BC, kBurFlute = 0x2B3138;
 
-/// Return the colour of a solid's layer, outermost first: enamel, dentine, pulp, ...
-constexpr unsigned layerColour(int layer) {
-  constexpr unsigned colours[] = {0xF3EAD6, 0xE6BC62, 0xC4473F, 0x8FA9BF, 0x7E9B76, 0xA98BB5, 0x6C7785, 0x55606E};
-  return colours[layer & 7];
+/// Return the colour of a solid's layer: that of the tissue with its name, else one by its number.
+constexpr unsigned layerColour(std::string_view name, std::size_t layer) {
+  constexpr std::pair<std::string_view, unsigned> tissues[] = {{"enamel", 0xF3EAD6}, {"dentine", 0xE6BC62},
+                                                               {"pulp", 0xC4473F},   {"caries", 0x7A5232},
+                                                               {"gum", kGum},        {"bone", 0xC9BBA9}};
+  for (const auto& [tissue, rgb] : tissues)
+    if (tissue == name) return rgb;
+  constexpr unsigned others[] = {0xF3EAD6, 0xE6BC62, 0xC4473F, 0x8FA9BF, 0x7E9B76, 0xA98BB5, 0x6C7785, 0x55606E};
+  return others[layer % std::size(others)];
 }
 
 }  // namespace enamel::viewer

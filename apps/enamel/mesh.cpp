@@ -20,6 +20,7 @@
 #include "mesh_output.hpp"
 #include "mesh_prepare.hpp"
 #include "program/outputs.hpp"
+#include "tooth_generator.hpp"
 
 namespace enamel::app {
 namespace {
@@ -145,6 +146,11 @@ void makeSolid(const MeshModel& model, const MeshOptions& options) {
 }
 
 TriangleMesh generated(const MeshOptions& options) {
+  const auto& parts = toothParts();
+  if (std::find(parts.begin(), parts.end(), options.generate) != parts.end()) {
+    if (options.triangles != 0) throw Error("--triangles applies to molar and jaw only");
+    return makeToothPart(options.generate);
+  }
   if (options.generate == "molar")
     return makeMolar(options.triangles == 0 ? 6
                                             : static_cast<int>(std::lround(0.5 * std::log2(options.triangles / 8.0))));
@@ -186,8 +192,10 @@ void addMesh(CLI::App& app) {
   command->add_option("--unit", options->unit, "unit of the file's coordinates: m, mm or um")
       ->transform(CLI::CheckedTransformer(std::map<std::string, double>{{"m", 1.0}, {"mm", 1e-3}, {"um", 1e-6}}))
       ->default_str("mm");
+  std::vector<std::string> names = toothParts();
+  names.insert(names.end(), {"molar", "jaw"});
   auto* generate = command->add_option("--generate", options->generate, "generate a mesh instead (PLY or STL in mm)")
-                       ->check(CLI::IsMember({"molar", "jaw"}));
+                       ->check(CLI::IsMember(names));
   command
       ->add_option("--triangles", options->triangles,
                    "about so many triangles; default: those of the shipped mesh. The number of a molar is 8 times a "

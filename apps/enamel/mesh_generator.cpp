@@ -1,24 +1,23 @@
 #include "mesh_generator.hpp"
 
 #include <Eigen/Geometry>
-#include <array>
 #include <cmath>
 #include <map>
 
 namespace enamel::app {
 namespace {
 
-double hill(double x, double y, double width) { return std::exp(-(x * x + y * y) / (width * width)); }
-
 // An odd root function, steep at 0: it turns a circle into a rounded square.
 double squared(double x, double power) { return std::copysign(std::pow(std::abs(x), power), x); }
+
+}  // namespace
+
+double hill(double x, double y, double width) { return std::exp(-(x * x + y * y) / (width * width)); }
 
 double smoothStep(double x) {
   const double t = std::min(std::max(x, 0.0), 1.0);
   return t * t * (3.0 - 2.0 * t);
 }
-
-}  // namespace
 
 TriangleMesh makeMolar(int levels) {
   TriangleMesh mesh;
@@ -42,13 +41,11 @@ TriangleMesh makeMolar(int levels) {
     }
     mesh.triangles = std::move(fine);
   }
-  constexpr std::array<std::array<double, 3>, 5> kCusps = {
-      {{-2.7, 2.4, 1.5}, {2.5, 2.4, 1.4}, {-2.7, -2.3, 1.8}, {1.6, -2.6, 1.7}, {4.0, -0.6, 1.0}}};  // x, y, height, mm
   for (Vec3& v : mesh.vertices) {
     const double x = 5.5 * squared(v.x(), 0.8), y = 5.0 * squared(v.y(), 0.8);
     double z = (v.z() > 0.0 ? 3.5 : 4.5) * squared(v.z(), 0.7);
     const double top = smoothStep(2.0 * v.z());
-    for (const auto& cusp : kCusps) z += top * cusp[2] * hill(x - cusp[0], y - cusp[1], 1.6);
+    for (const auto& cusp : kMolarCusps) z += top * cusp[2] * hill(x - cusp[0], y - cusp[1], 1.6);
     z -= top * (0.7 * std::exp(-y * y / 0.3) * hill(x, 0.0, 4.0) + 0.5 * std::exp(-x * x / 0.25) * hill(0.0, y, 3.5));
     const double waist = 1.0 - 0.18 * smoothStep(-1.2 * v.z());  // narrower at the neck
     v = 1e-3 * Vec3(waist * x, waist * y, z);

@@ -1,11 +1,11 @@
 #include "mesh_prepare.hpp"
 
 // Decimater's headers need the mesh header first.
+#include <Eigen/Geometry>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -238,7 +238,9 @@ void close(Mesh& mesh, double base, PrepareReport& report) {
   mesh.garbage_collection();
 }
 
-// Collapse edges with OpenMesh, smallest quadric error first (Garland & Heckbert 1997). No face may flip.
+constexpr float kMostTurn = 30.0f;  // degrees that a collapse may turn a face: a fold lets the mesh cross itself
+
+// Collapse edges with OpenMesh, smallest quadric error first (Garland & Heckbert 1997).
 Mesh decimated(Mesh mesh, std::size_t faces) {
   mesh.request_vertex_status();
   mesh.request_edge_status();
@@ -252,6 +254,7 @@ Mesh decimated(Mesh mesh, std::size_t faces) {
   decimater.add(quadric);
   decimater.add(flipping);
   decimater.module(quadric).unset_max_err();
+  decimater.module(flipping).set_max_normal_deviation(kMostTurn);
   decimater.initialize();
   decimater.decimate_to_faces(0, faces);
   mesh.garbage_collection();

@@ -210,9 +210,10 @@ json PageSide::solidOf(const Copy& copy, PageNumbers& numbers) const {
   const Solid& solid = *copy.solid;
   std::vector<bool> isCut(copy.uncut.size(), false);
   for (const Brick& brick : copy.changes) isCut[static_cast<std::size_t>(brick.number)] = true;
+  const auto colourOf = [&](std::size_t layer) { return viewer::layerColour(solid.layers()[layer].name, layer); };
   const auto piece = [&](const SolidSurface& surface) {
     std::vector<Vec3> colours;
-    for (const int layer : surface.layers) colours.push_back(rgbOf(viewer::layerColour(layer)));
+    for (const int layer : surface.layers) colours.push_back(rgbOf(colourOf(static_cast<std::size_t>(layer))));
     return meshOf(surface.mesh.vertices, surface.normals, colours, surface.mesh.triangles, numbers);
   };
   const auto append = [&](int brick, const BrickSamples& samples, SolidSurface& surface) {
@@ -242,9 +243,8 @@ json PageSide::solidOf(const Copy& copy, PageNumbers& numbers) const {
   }
   if (!rest.mesh.triangles.empty()) result["rest"] = piece(rest);
   for (const Brick& brick : copy.changes) add(brick.time, brick.number, brick.samples);
-  for (const SolidLayer& layer : solid.layers())
-    result["layers"].push_back(
-        {{"name", layer.name}, {"colour", viewer::layerColour(static_cast<int>(&layer - solid.layers().data()))}});
+  for (std::size_t layer = 0; layer < solid.layers().size(); ++layer)
+    result["layers"].push_back({{"name", solid.layers()[layer].name}, {"colour", colourOf(layer)}});
   return result;
 }
 

@@ -50,7 +50,8 @@ void FlutedBur::place(const Vec3& from, const Mat3& frame, double angle) {
   actor_->Modified();
 }
 
-ChipView::ChipView(vtkRenderer* renderer) {
+ChipView::ChipView(vtkRenderer* renderer, const std::vector<SolidLayer>& layers) {
+  for (const SolidLayer& layer : layers) layerColours_.push_back(layerColour(layer.name, layerColours_.size()));
   constexpr auto corners = static_cast<vtkIdType>(3 * Chips::kPool);
   normals_->SetNumberOfComponents(3);
   colours_->SetNumberOfComponents(3);
@@ -93,7 +94,7 @@ void ChipView::show(const Chips& chips) {
     const double left = std::max(0.0, 1.0 - chip.age / Chips::kLife), number = static_cast<double>(i);
     const Vec3 axis = Vec3(std::sin(2.4 * number), std::cos(2.4 * number), std::sin(1.7 * number)).normalized();
     const Mat3 turned = Eigen::AngleAxisd(number + tumble * chip.age, axis).toRotationMatrix();
-    place(i, chip.position, turned, size * std::sqrt(left), layerColour(chip.layer));
+    place(i, chip.position, turned, size * std::sqrt(left), layerColours_[static_cast<std::size_t>(chip.layer)]);
     any = any || left > 0.0;
   }
   actor_->SetVisibility(any);

@@ -9,7 +9,10 @@
 #include <vtkSmartPointer.h>
 #include <vtkUnsignedCharArray.h>
 
+#include <vector>
+
 #include "chips.hpp"
+#include "enamel/collision/solid.hpp"
 
 namespace enamel::viewer {
 
@@ -28,12 +31,14 @@ class FlutedBur {
 /// All chips as one actor: small flat triangles that tumble and shrink with age.
 class ChipView {
  public:
-  explicit ChipView(vtkRenderer* renderer);
+  /// `layers`: those of the solid that is cut, at least one.
+  ChipView(vtkRenderer* renderer, const std::vector<SolidLayer>& layers);
   void show(const Chips& chips);
 
  private:
   void place(std::size_t chip, const Vec3& centre, const Mat3& frame, double size, unsigned colour);
 
+  std::vector<unsigned> layerColours_;
   vtkNew<vtkPoints> points_;
   vtkNew<vtkFloatArray> normals_;
   vtkNew<vtkUnsignedCharArray> colours_;

@@ -105,8 +105,9 @@ void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& bru
   line("feed", format("%.2f mm/s", 1e3 * std::max(0.0, drilled.feed)));
   y += 4 * s;
   for (std::size_t i = 0; i < input.bur->layers.size(); ++i) {
-    line(input.bur->layers[i].name.c_str(), format("%.2f mm\u00b3", 1e9 * std::max(0.0, drilled.removed[i])));
-    brush.list->AddRectFilled({x, y + 4 * s}, {x + 10 * s, y + 14 * s}, ink(layerColour(static_cast<int>(i))), 2 * s);
+    const std::string& name = input.bur->layers[i].name;
+    line(name.c_str(), format("%.2f mm\u00b3", 1e9 * std::max(0.0, drilled.removed[i])));
+    brush.list->AddRectFilled({x, y + 4 * s}, {x + 10 * s, y + 14 * s}, ink(layerColour(name, i)), 2 * s);
     brush.list->AddRect({x, y + 4 * s}, {x + 10 * s, y + 14 * s}, ink(kEnamelEdge), 2 * s);
   }
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bur_shapes.hpp"
+#include "bur_view.hpp"
 #include "device_view.hpp"
 #include "obstacle_view.hpp"
 
@@ -20,7 +21,8 @@ constexpr std::size_t kShownContacts = 3;
 }  // namespace
 
 struct SceneView::Parts {
-  Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene, float scale);
+  Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene,
+        const std::vector<SolidLayer>* layers, float scale);
 
   // Draw transparent parts last, with the reference pose first among them.
   void raiseFaded(vtkRenderer* renderer);
@@ -38,7 +40,7 @@ struct SceneView::Parts {
 };
 
 SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene,
-                        float scale)
+                        const std::vector<SolidLayer>* layers, float scale)
     : tool(renderer, scene.tool, scene.bur ? &*scene.bur : nullptr, {kPlatform, kHandle, kNeedle}),
       ghost(renderer, scene.tool, nullptr, {kReference, kReference, kReference, 0.25, 1.3}),
       device(renderer, bars, scale),
@@ -50,7 +52,7 @@ SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::ve
     normals.emplace_back(above, 0.5, Finish{kInk, 1.0, 0.0});
     contacts.emplace_back(above, 2.2, Finish{kForce, 1.0, 0.1});
   }
-  if (scene.bur) chips.emplace(renderer);
+  if (scene.bur && layers != nullptr) chips.emplace(renderer, *layers);
   raiseFaded(renderer);
 }
 
@@ -122,7 +124,7 @@ void SceneView::build(const std::vector<Bar>& bars, const SceneFile& file, const
     const bool has = i < solids.size() && solids[i].uncut;
     solids_.push_back(has ? std::make_unique<SolidView>(renderer_, solids[i], pose, plane, hidden, scale) : nullptr);
   }
-  parts_ = std::make_unique<Parts>(renderer_, above_, bars, file, scale);
+  parts_ = std::make_unique<Parts>(renderer_, above_, bars, file, layersOf(solids), scale);
 }
 
 void SceneView::change(std::size_t obstacle, int brick) {

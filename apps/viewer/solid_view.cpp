@@ -16,7 +16,11 @@ namespace {
 constexpr int kGroup = 4;                       // bricks along an edge of a group
 constexpr Finish kFinish{0xFFFFFF, 1.0, 0.25};  // below the layers' colours
 
-Vec3 colourOf(int layer) { return rgbOf(layerColour(layer)); }
+std::vector<Vec3> coloursOf(const Solid& solid) {
+  std::vector<Vec3> colours;
+  for (const SolidLayer& layer : solid.layers()) colours.push_back(rgbOf(layerColour(layer.name, colours.size())));
+  return colours;
+}
 
 }  // namespace
 
@@ -31,7 +35,7 @@ SolidCopy copyOf(const Solid& solid) {
 
 SolidView::SolidView(vtkRenderer* renderer, const SolidCopy& solid, const Pose& pose,
                      const std::optional<CutPlane>& plane, const std::vector<CutPlane>& hidden, float scale)
-    : renderer_(renderer), solid_(solid), pose_(pose), plane_(plane), scale_(scale) {
+    : renderer_(renderer), solid_(solid), pose_(pose), plane_(plane), scale_(scale), colours_(coloursOf(*solid.uncut)) {
   if (plane) {
     const Vec3 point = kMillimetres * plane->point, behind = -plane->normal;
     clip_->SetOrigin(point.data());
@@ -88,7 +92,7 @@ void SolidView::build(Group& group) {
   Polygons polygons(static_cast<vtkIdType>(surface_.mesh.vertices.size()));
   for (std::size_t i = 0; i < surface_.mesh.vertices.size(); ++i) {
     polygons.append(pose_.position + pose_.rotation * surface_.mesh.vertices[i], pose_.rotation * surface_.normals[i]);
-    polygons.paint(colourOf(surface_.layers[i]));
+    polygons.paint(colours_[static_cast<std::size_t>(surface_.layers[i])]);
   }
   vtkNew<vtkTypeInt32Array> corners;
   corners->SetNumberOfValues(3 * static_cast<vtkIdType>(surface_.mesh.triangles.size()));
@@ -141,7 +145,8 @@ void SolidView::buildSection() {
   const auto append = [&](const Vec3& p) {  // layers are known per cell: smooth their borders over three cells
     Vec3 sum = Vec3::Zero();
     for (int i = 0; i < 27; ++i)
-      sum += colourOf(uncut.layerAt(inSolid(p) + step * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
+      sum += colours_[static_cast<std::size_t>(
+          uncut.layerAt(inSolid(p) + step * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)))];
     polygons.paint(sum / 27.0);
     return polygons.append(p, n);
   };

@@ -61,6 +61,7 @@ class SolidView {
   Pose pose_;
   std::optional<CutPlane> plane_;
   float scale_;
+  std::vector<Vec3> colours_;  // by layer
   std::vector<Group> groups_;
   std::vector<int> groupOf_;  // by brick
   SolidSurface surface_;

@@ -112,6 +112,57 @@ std::string scanOf(const TriangleMesh& molar) {
 
 }  // namespace
 
+TEST_CASE("the shipped tooth has the dimensions of a lower first molar, and its parts are those of the generator",
+          "[unit]") {
+  const test::TemporaryFolder folder;
+  const auto meshOf = [](const std::string& part) {
+    return MeshModel(loadMesh(ENAMEL_SOURCE_DIR "/data/meshes/tooth-" + part + ".ply", 1e-3));
+  };
+  const MeshModel block = meshOf("block"), bone = meshOf("bone"), enamel = meshOf("enamel"),
+                  dentine = meshOf("dentine"), pulp = meshOf("pulp");
+  for (const MeshModel* part : {&block, &bone, &enamel, &dentine, &pulp})
+    CHECK(describe(*part) == "watertight: the sign of distances is exact");
+  // Sources: data/meshes/README.md.
+  const auto onAxis = [](const MeshModel& part, double z) { return signedDistance(part, Vec3(0.0, 0.0, z)).distance; };
+  const auto changeBelow = [&](const MeshModel& part, double z) {  // the next place where the axis enters or leaves
+    const bool isInside = onAxis(part, z) < 0.0;
+    while ((onAxis(part, z) < 0.0) == isInside && z > -20e-3) z -= 5e-5;
+    return z;
+  };
+  const auto within = [](const MeshModel& part, const Vec3& p) { return signedDistance(part, p).distance < 0.0; };
+  double cusp = -1.0, apex = 1.0;
+  for (const Vec3& v : block.mesh().vertices)
+    if (v.y() < 0.0) cusp = std::max(cusp, v.z());
+  for (const Vec3& v : dentine.mesh().vertices) apex = std::min(apex, v.z());
+  const double ceiling = changeBelow(pulp, 0.0), floor = changeBelow(pulp, ceiling),
+               furcation = changeBelow(dentine, floor);
+  CHECK(cusp - ceiling == Approx(6.36e-3).margin(0.93e-3));
+  CHECK(cusp - floor == Approx(7.95e-3).margin(0.79e-3));
+  CHECK(cusp - furcation == Approx(10.90e-3).margin(1.21e-3));
+  CHECK(cusp - apex == Approx(21.5e-3).margin(1e-3));
+  // On a cusp: enamel, dentine below it, gum beside the neck, bone below the gum.
+  const Vec3 tip(-2.6e-3, -2.3e-3, cusp);
+  CHECK(within(enamel, tip - Vec3(0.0, 0.0, 1.5e-3)));
+  CHECK_FALSE(within(dentine, tip - Vec3(0.0, 0.0, 1.5e-3)));
+  CHECK(within(dentine, tip - Vec3(0.0, 0.0, 3e-3)));
+  const Vec3 beside(0.0, -5.5e-3, -4e-3);
+  CHECK(within(block, beside));
+  CHECK_FALSE(within(enamel, beside));
+  CHECK_FALSE(within(bone, beside));
+  CHECK(within(bone, Vec3(0.0, 0.0, -12e-3)));
+  // The shipped parts have fewer triangles.
+  for (const std::string part : {"block", "bone"}) {
+    REQUIRE(test::run("mesh --generate tooth-" + part + " --output " + (folder / (part + ".ply"))).status == 0);
+    const MeshModel shipped = meshOf(part), made(loadMesh(folder / (part + ".ply"), 1e-3));
+    CHECK(shipped.mesh().triangles.size() < made.mesh().triangles.size() / 4);
+    double most = 0.0;
+    for (const Vec3& v : made.mesh().vertices) most = std::max(most, closestPoint(shipped, v).distance);
+    CHECK(most < 50e-6);
+  }
+  CHECK_THAT(test::run("mesh --generate tooth-pulp --triangles 1000 --output " + (folder / "pulp.ply")).output,
+             ContainsSubstring("--triangles applies to molar and jaw only"));
+}
+
 TEST_CASE("a scan is made a solid, within the deviation that is allowed", "[unit]") {
   const test::TemporaryFolder folder;
   const TriangleMesh molar = loadMesh(ENAMEL_SOURCE_DIR "/data/meshes/molar.ply", 1e-3);

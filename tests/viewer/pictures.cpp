@@ -727,7 +727,7 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
   const auto count = [&](const std::string& name, unsigned colour) {
     return patchOf(Pixels(folder / ("out/" + name + ".png")), colour, {240, 60}, {480, 340}, 0.04).count;
   };
-  const unsigned dentine = layerColour(1);
+  const unsigned dentine = layerColour("dentine", 3);
   CHECK(count("before", dentine) < 20);
   CHECK(count("drilled", dentine) > count("before", dentine) + 60);
   CHECK(count("open", dentine) > count("drilled", dentine) + 500);
@@ -736,7 +736,7 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
   CHECK(count("paused", dentine) == count("flying", dentine));
   CHECK(test::readFile(folder / "out/flying.png") == test::readFile(folder / "again/flying.png"));
   CHECK(count("undone", dentine) < 20);
-  CHECK(count("undone", layerColour(0)) > 1000);
+  CHECK(count("undone", layerColour("enamel", 2)) > 1000);
   // A refusal is shown on a dark ground in the middle.
   const auto isRefused = [&](const std::string& name) {
     const Pixels pixels(folder / ("out/" + name + ".png"));

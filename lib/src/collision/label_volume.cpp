@@ -5,12 +5,12 @@
 #include <cmath>
 #include <memory>
 #include <string>
-#include <unordered_map>
+#include <utility>
 
 #include "core/message.hpp"
 #include "enamel/collision/proximity.hpp"
 #include "enamel/core/error.hpp"
-#include "tetrahedra.hpp"
+#include "grid_surface.hpp"
 
 namespace enamel {
 namespace {
@@ -61,7 +61,7 @@ class Field {
     for (std::size_t i = 0; i < 3; ++i) smoothAlong(i, smoothing / volume.spacing[static_cast<Eigen::Index>(i)]);
   }
 
-  int size(std::size_t axis) const { return size_[axis]; }
+  const std::array<int, 3>& size() const { return size_; }
   std::size_t at(int x, int y, int z) const {
     return static_cast<std::size_t>(x) + stride(1) * static_cast<std::size_t>(y) +
            stride(2) * static_cast<std::size_t>(z);
@@ -109,37 +109,14 @@ class Field {
 TriangleMesh surfaceOf(const LabelVolume& volume, const std::vector<int>& labels, double smoothing) {
   check(volume, smoothing);
   const Field field(volume, labels, smoothing);
-  TriangleMesh mesh;
-  std::unordered_map<std::uint64_t, int> vertices;  // by sample and direction of an edge
-  const bool isReflected = volume.axes.determinant() < 0.0;
-  const auto isInside = [&](std::size_t sample) { return field[sample] > 0.5f; };
-  for (int z = 0; z + 1 < field.size(2); ++z)
-    for (int y = 0; y + 1 < field.size(1); ++y)
-      for (int x = 0; x + 1 < field.size(0); ++x) {
-        const auto sampleOf = [&](int corner) {
-          return field.at(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2));
-        };
-        int inside = 0;
-        for (int corner = 0; corner < 8; ++corner) inside += isInside(sampleOf(corner));
-        if (inside == 0 || inside == 8) continue;
-        const auto on = [&](int from, int to) {
-          const int low = from & to, high = from | to;
-          const auto [entry, isNew] = vertices.try_emplace(8 * sampleOf(low) + static_cast<std::uint64_t>(low ^ high),
-                                                           static_cast<int>(mesh.vertices.size()));
-          if (isNew) {
-            const double a = static_cast<double>(field[sampleOf(low)]), b = static_cast<double>(field[sampleOf(high)]);
-            const double t = std::clamp((0.5 - a) / (b - a), kernel::kEnd, 1.0 - kernel::kEnd);
-            const auto corner = [&](int c) { return Vec3(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)); };
-            const Vec3 voxel = field.voxelOf((1.0 - t) * corner(low) + t * corner(high));
-            mesh.vertices.push_back(volume.origin + volume.axes * voxel.cwiseProduct(volume.spacing));
-          }
-          return entry->second;
-        };
-        kernel::addTriangles([&](int corner) { return isInside(sampleOf(corner)); }, on,
-                             [&](int a, int b, int c) {
-                               mesh.triangles.push_back(isReflected ? std::array{a, c, b} : std::array{a, b, c});
-                             });
-      }
+  TriangleMesh mesh = kernel::surfaceOfGrid(
+      field.size(), [&](int x, int y, int z) { return field.at(x, y, z); },
+      [&](std::size_t sample) { return 0.5 - static_cast<double>(field[sample]); },
+      [&](const Vec3& grid) -> Vec3 {
+        return volume.origin + volume.axes * field.voxelOf(grid).cwiseProduct(volume.spacing);
+      });
+  if (volume.axes.determinant() < 0.0)  // a reflection turns the mesh inside out
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   return mesh;
 }
 
