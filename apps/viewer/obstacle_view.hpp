@@ -30,7 +30,7 @@ class MovableView {
   std::vector<Body> bodies_;
 };
 
-/// Draw all obstacles except solids, which have their own views: see opaquePlanes(). `solids`: copies by obstacle.
+/// Draw all guides, and all obstacles except solids, which have their own views: see opaquePlanes(). `solids`: copies by obstacle.
 /// `plane`: cuts the gum open, if set. `scale`: pixels per unit of layout, for the width of lines. Returns the
 /// obstacles with a suspension, in their order.
 std::vector<MovableView> addObstacles(vtkRenderer* renderer, const SceneFile& file,
