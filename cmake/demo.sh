@@ -19,6 +19,10 @@ build/release/apps/enamel/enamel push --device data/devices/tau-nominal.toml \
 echo "== a small study: 9 query points, 3 runs each; the paper's is: enamel study --output out/study"
 build/release/apps/enamel/enamel study --grid 3 --runs 3 --output out/small-study --overwrite
 
+echo "== the same with the forces of crown preparations, 0.1 to 4.9 N, and a finger that rests on a tooth"
+build/release/apps/enamel/enamel study --grid 3 --runs 3 --force 0.1,4.9 --noise 0.1 --finger-rest --output out/dental-study \
+  --overwrite
+
 echo "== speed against error"
 build/release/apps/enamel/enamel bench --scale 0.2
 

@@ -36,6 +36,7 @@ inline constexpr unsigned kMotor = 0x333C47, kLink1 = 0x55606E, kLink2 = 0x8C97A
 inline constexpr unsigned kPlatform = 0x6C7785, kHandle = 0x2F6F73, kNeedle = 0x3A424C;
 inline constexpr unsigned kEnamel = 0xF3EAD6, kEnamelGrid = 0xBFA873, kEnamelEdge = 0x9C8A5E, kCubeLine = 0x93A0AE;
 inline constexpr unsigned kGum = 0xF2B3AA, kGumBack = 0xC98680, kGumEdge = 0xB06A64, kSectionEdge = 0x7A5B34;
+inline constexpr unsigned kGuide = 0x6A4C93;
 inline constexpr unsigned kBurSteel = 0xA9B2BC, kBurFlute = 0x2B3138;
 
 /// Return the colour of a solid's layer: that of the tissue with its name, else one by its number.

@@ -78,9 +78,6 @@ void addCompare(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--damping", study.impedance.damping, "damping of impedance and passivity, N s/m")
       ->capture_default_str();
-  command->add_option("--noise", study.noise, "standard deviation of the person's force, N")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str();
   command->add_option("--inertia", study.inertia, "inertia of the renderers' model divided by the plant's")
       ->capture_default_str();
   command->add_option("--output", study.output, "folder for the results");

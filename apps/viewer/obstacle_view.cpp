@@ -147,6 +147,43 @@ void addShape(vtkRenderer* renderer, const Obstacle& obstacle) {
             toothColours((*mesh)->mesh(), obstacle.name == "arch" ? kGumLine : kNoGum));
 }
 
+// Draw the lines of guides and, at the corners of a tube, balls of its radius. Planes are as large as walls.
+void addGuides(vtkRenderer* renderer, const std::vector<Guide>& guides, float scale) {
+  std::vector<std::array<Vec3, 2>> lines;
+  for (const Guide& guide : guides) {
+    const auto draw = [&](Polygon polygon) {
+      for (Vec3& corner : polygon) corner = guide.pose.position + guide.pose.rotation * corner;
+      addOutline(polygon, lines);
+    };
+    if (const auto* box = std::get_if<Box>(&guide.shape)) {
+      const Vec3 x = box->half.x() * Vec3::UnitX(), y = box->half.y() * Vec3::UnitY(),
+                 z = box->half.z() * Vec3::UnitZ();
+      for (const double sign : {-1.0, 1.0}) {
+        draw(parallelogram(sign * z, x, y));
+        draw(parallelogram(sign * x, y, z));
+      }
+    } else if (const auto* line = std::get_if<Polyline>(&guide.shape)) {
+      for (std::size_t i = 0; i < line->points.size(); ++i) {
+        if (i > 0) draw({line->points[i - 1], line->points[i]});
+        for (int axis = 0; axis < 3 && line->radius > 0.0; ++axis) {
+          constexpr int kCorners = 24;
+          Polygon circle;
+          for (int k = 0; k < kCorners; ++k) {
+            Vec3 corner = line->points[i];
+            corner[axis] += line->radius * std::cos(2.0 * M_PI * k / kCorners);
+            corner[(axis + 1) % 3] += line->radius * std::sin(2.0 * M_PI * k / kCorners);
+            circle.push_back(corner);
+          }
+          draw(circle);
+        }
+      }
+    } else {
+      draw(parallelogram(Vec3::Zero(), kPane * Vec3::UnitX(), kPane * Vec3::UnitY()));
+    }
+  }
+  addLines(renderer, lines, kGuide, 2.0f * scale);
+}
+
 void addDrawing(vtkRenderer* renderer, const Drawing& drawing, float scale) {
   addFaces(renderer, drawing.faces, kEnamelFinish);
   addFaces(renderer, drawing.backs, {kEnamelGrid, 1.0, 0.0});
@@ -235,6 +272,7 @@ std::vector<MovableView> addObstacles(vtkRenderer* renderer, const SceneFile& fi
   addFaces(renderer, gum.backs, {kGumBack, 1.0, 0.0});
   addLines(renderer, gum.edges, kGumEdge, 1.5f * scale);
   addDrawing(renderer, drawing, scale);
+  if (scene.guides()) addGuides(renderer, *scene.guides(), scale);
   return movable;
 }
 

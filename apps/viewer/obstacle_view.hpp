@@ -30,9 +30,9 @@ class MovableView {
   std::vector<Body> bodies_;
 };
 
-/// Draw all obstacles except solids, which have their own views: see opaquePlanes(). `solids`: copies by obstacle.
-/// `plane`: cuts the gum open, if set. `scale`: pixels per unit of layout, for the width of lines. Returns the
-/// obstacles with a suspension, in their order.
+/// Draw all guides, and all obstacles except solids, which have their own views: see opaquePlanes(). `solids`: copies
+/// by obstacle. `plane`: cuts the gum open, if set. `scale`: pixels per unit of layout, for the width of lines. Returns
+/// the obstacles with a suspension, in their order.
 std::vector<MovableView> addObstacles(vtkRenderer* renderer, const SceneFile& file,
                                       const std::vector<SolidCopy>& solids, const std::optional<CutPlane>& plane,
                                       float scale);

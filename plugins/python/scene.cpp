@@ -5,6 +5,7 @@
 
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/cut_comparison.hpp"
+#include "enamel/collision/label_volume.hpp"
 #include "enamel/collision/mesh_file.hpp"
 #include "enamel/collision/solid_file.hpp"
 #include "enamel/core/error.hpp"
@@ -14,6 +15,7 @@ namespace enamel::python {
 namespace {
 
 using SceneClass = py::class_<SceneFile, std::shared_ptr<SceneFile>>;
+using Labels = py::array_t<std::uint16_t, py::array::f_style | py::array::forcecast>;
 using Triangles = py::array_t<int, py::array::c_style | py::array::forcecast>;
 
 Pose rowPose(const Array& positions, const std::optional<Array>& rotations, py::ssize_t i) {
@@ -373,16 +375,56 @@ py::dict cutAgainst(const SceneFile& file, int obstacle, const Array& vertices, 
   return result;
 }
 
+int addSolid(SceneFile& file, const std::string& name, std::shared_ptr<Solid> solid, const Pose& pose) {
+  const int number = addObstacle(file, name, std::shared_ptr<const Solid>(solid), pose, {});
+  file.solids.resize(file.scene.obstacles().size());
+  file.solids.back() = std::move(solid);
+  return number;
+}
+
+int addLabels(SceneFile& file, const std::string& name, const Labels& labels,
+              const std::vector<std::tuple<std::string, std::vector<int>, double>>& layers, const Array& spacing,
+              std::optional<double> smoothing, double cell, const Array& position,
+              const std::optional<Array>& rotation) {
+  if (labels.ndim() != 3) throw Error("labels must have 3 axes, x, y and z, has " + std::to_string(labels.ndim()));
+  LabelVolume volume;
+  for (py::ssize_t axis = 0; axis < 3; ++axis)
+    volume.size[static_cast<std::size_t>(axis)] = static_cast<int>(labels.shape(axis));
+  volume.spacing = vec3(spacing, "spacing", "m");
+  volume.labels.assign(labels.data(), labels.data() + labels.size());
+  std::vector<LabelLayer> parts;
+  for (const auto& [layer, itsLabels, hardness] : layers) {
+    LabelLayer part{{}, itsLabels};
+    part.layer.name = layer;
+    part.layer.hardness = hardness;
+    parts.push_back(std::move(part));
+  }
+  const Pose pose = poseOf(position, rotation);
+  std::shared_ptr<Solid> solid;
+  {
+    const py::gil_scoped_release release;
+    solid =
+        std::make_shared<Solid>(solidOf(volume, parts, smoothing.value_or(volume.spacing.mean()), SolidOptions{cell}));
+  }
+  return addSolid(file, name, std::move(solid), pose);
+}
+
 void addSolids(SceneClass& scene) {
+  scene.def(
+      "add_labels", &addLabels, py::arg("name"), py::arg("labels"), py::arg("layers"), py::arg("spacing"),
+      py::arg("smoothing") = py::none(), py::arg("cell") = SolidOptions().cell,
+      py::arg("position") = py::make_tuple(0.0, 0.0, 0.0), py::arg("rotation") = py::none(),
+      "Add a solid made from the labels of voxels, such as a segmented CT, and return its number. `labels` is an array "
+      "of the axes x, y and z; `spacing` is the distance of voxels along these (m), and the first voxel is at the "
+      "position. `layers` has a tuple for each layer, outermost first: name, labels, hardness (Pa). `smoothing` is the "
+      "standard deviation of a Gaussian mean (m; default: the mean spacing), `cell` the resolution of the solid (m). "
+      "Raises Error if a layer vanishes or a number is outside its range. The GIL is released.");
   scene.def(
       "add_solid",
       [](SceneFile& self, const std::string& name, const py::object& path, const Array& position,
          const std::optional<Array>& rotation) {
-        auto solid = std::make_shared<Solid>(loadSolid(py::str(path).cast<std::string>()));
-        const int number = addObstacle(self, name, std::shared_ptr<const Solid>(solid), poseOf(position, rotation), {});
-        self.solids.resize(self.scene.obstacles().size());
-        self.solids.back() = std::move(solid);
-        return number;
+        return addSolid(self, name, std::make_shared<Solid>(loadSolid(py::str(path).cast<std::string>())),
+                        poseOf(position, rotation));
       },
       py::arg("name"), py::arg("path"), py::arg("position") = py::make_tuple(0.0, 0.0, 0.0),
       py::arg("rotation") = py::none(),

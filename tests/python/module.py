@@ -186,6 +186,20 @@ class Scenes(unittest.TestCase):
         with self.assertRaisesRegex(enamel.Error, "is not a solid"):
             scene.compare_cut(scene.obstacles.index("gum"), vertices, triangles)
 
+    def test_labels_become_a_solid(self):
+        far = np.linalg.norm(np.stack(np.meshgrid(*[np.arange(-15, 16)] * 3, indexing="ij")), axis=0)
+        labels = (far < 11.5).astype(int) + (far < 7)  # balls of 1.15 and 0.7 mm
+        scene = enamel.Scene()
+        layers = [("enamel", [1], 3.4e9), ("dentine", [2], 0.6e9)]
+        tooth = scene.add_labels("tooth", labels[:, :, 1:], layers, (1e-4, 1e-4, 1e-4), position=(-1.5e-3, -1.5e-3, -1.4e-3))
+        # Labels locate a surface to half a voxel.
+        np.testing.assert_allclose(scene.nearest([[0, 0, 2e-3], [0, -3e-3, 0]])["gap"], [0.85e-3, 1.85e-3], atol=5e-5)
+        tetrahedron = [[0, 0, 0], [1e-3, 0, 0], [0, 1e-3, 0], [0, 0, 1e-3]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+        self.assertEqual(scene.compare_cut(tooth, *tetrahedron)["layers"], ["enamel", "dentine"])
+        for wrong, text in (((labels[0], layers), "labels must have 3 axes"), ((labels, [("pulp", [3], 1e8)]), "pulp")):
+            with self.assertRaisesRegex(enamel.Error, text):
+                scene.add_labels("wrong", wrong[0], wrong[1], (1e-4, 1e-4, 1e-4))
+
     def test_meshes_without_copies_and_out_of_their_scene(self):
         vertices, triangles = self.scene.mesh(0)
         self.assertEqual(vertices.ctypes.data, self.scene.mesh(0)[0].ctypes.data)

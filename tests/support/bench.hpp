@@ -30,10 +30,12 @@ struct Bench {
     Vec3 start{0.0, 0.0, 2e-3};
     Tool tool = {};
     std::vector<Guide> guides = {};
+    Handpiece handpiece = {};
   };
 
   explicit Bench(const Setting& s) {
-    const DeviceParameters device = loadDevice(deviceFile(s.device));
+    DeviceParameters device = loadDevice(deviceFile(s.device));
+    if (s.handpiece.mass > 0.0) addHandpiece(device, s.handpiece);
     mechanism = makeMechanism(modelFor(s.plant, device));
     setup.start.position = s.start;
     if (s.encoders) setup.encoders = {true, RateSource::lowPass};

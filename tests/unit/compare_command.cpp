@@ -165,6 +165,27 @@ TEST_CASE("compare: a model with the wrong inertia reaches the pushes too", "[co
   CHECK(stiffness("light", "--inertia 0.7") != stiffness("right", ""));
 }
 
+TEST_CASE("compare: a finger that rests carries its share of the push", "[compare_command]") {
+  const test::TemporaryFolder folder;
+  const auto stiffness = [&](const std::string& name, const std::string& more) {
+    const auto result = run("compare " + kNominal +
+                            "--tasks push --renderers impedance --plants closed-form --delays none --scenario 2 "
+                            "--grid 1 --runs 2 --output '" +
+                            (folder / name) + "' " + more);
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    CHECK((file(folder, name, "closed-form-none/study.json").find("finger rest") != std::string::npos) ==
+          !more.empty());
+    return nlohmann::json::parse(file(folder, name, "closed-form-none/summary.json"))
+        .at("walls")[0]
+        .at("lowest K_zs [N/m]")
+        .at("value")
+        .get<double>();
+  };
+  // The wall has 6 kN/m, the finger 1 kN/m. The noise of the hand moves the tool by the sum.
+  CHECK(stiffness("rest", "--finger-rest") / stiffness("free", "") == Approx(7.0 / 6.0).epsilon(0.03));
+}
+
 TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[compare_command]") {
   const test::TemporaryFolder folder;
   const std::string small = "compare --device '" + test::deviceFile("tau-detailed.toml") + "' --tuned '" +

@@ -329,6 +329,72 @@ TEST_CASE("compliance: a layer breaks at its puncture force, and holds again aft
     }
 }
 
+namespace {
+
+// A probe of 0.5 mm above a layer with friction that breaks at 1 N.
+Bench::Setting probeOver(double friction, const std::string& device, int delay, bool spring) {
+  Material m = layer(4e3, 1.5, 1.5e-3, 0.5, 1.0);
+  m.friction = m.slidingFriction = friction;
+  Bench::Setting setting{device, kClosedForm, block(m), delay, spring, false, {0.0, 0.0, 5e-5}};
+  setting.tool.parts[0] = {{0.0, 0.0, 2.5e-4}, {0.0, 0.0, 2.5e-4}, 2.5e-4};
+  return setting;
+}
+// Pressed in by its radius, this ball has 4 kN/m 0.25 mm sqrt(0.25); the walls have the area of 2 d / r such balls.
+double gripAt(double depth) { return 2.0 * depth / 2.5e-4 * 4e3 * 2.5e-4 * 0.5; }
+
+}  // namespace
+
+TEST_CASE("compliance: the walls of a hole hold a probe by their friction", "[compliance]") {
+  constexpr double kFriction = 0.3;
+  for (const auto& [spring, delay] : {std::pair(false, 0), {false, 1}, {false, 2}, {true, 0}}) {
+    INFO((spring ? "spring, " : "") << "delay " << delay);
+    Bench bench(probeOver(kFriction, "tau-nominal.toml", delay, spring));
+    const auto grip = [&] { return bench.haptics->frame().contacts.contacts[0].grip; };
+    for (int i = 0; i < 600; ++i) REQUIRE(bench.press(5.0));  // almost to the ground
+    CHECK(grip() == Approx(gripAt(std::min(1.5e-3, bench.depth()))).epsilon(0.01));
+    CHECK(bench.depth() > 1.3e-3);
+    for (int i = 0; i < 800; ++i) REQUIRE(bench.press(std::max(0.0, 5.0 - 0.01 * i)));  // a spring would throw it out
+    double strongest = 0.0, most = 0.0;
+    for (double pull = 0.0; pull < 3.0 && bench.tool().twist[2] < 0.01; pull += 1e-3) {  // until it slips out
+      REQUIRE(bench.press(-pull));
+      if (-bench.force() <= strongest) continue;
+      strongest = -bench.force();
+      most = kFriction * grip();
+    }
+    CHECK(strongest > 0.3);
+    CHECK(strongest == Approx(most).epsilon(0.02));
+    for (int i = 0; bench.depth() > 0.0; ++i) {
+      REQUIRE(i < 2000);
+      REQUIRE(bench.press(-1.5 * kFriction * gripAt(1.5e-3)));
+    }
+    REQUIRE(bench.press(0.0));
+    CHECK(grip() == 0.0);
+  }
+}
+
+TEST_CASE("compliance: the walls of a hole only take energy", "[compliance]") {
+  for (const int delay : {0, 1, 2})
+    for (const double friction : {0.05, 0.3}) {
+      Bench bench(probeOver(friction, "cartesian-3.toml", delay, false));
+      test::Random random(575);
+      double work = 0.0, push = -2.0, largest = 0.0;
+      int held = 0;
+      for (int i = 0; i < 2000; ++i) {
+        if (i > 200 && i % 20 == 0) push = random.uniform(-2.0, 1.0);
+        const double z = bench.tool().position.z();
+        const Vec3 hand(0.0, 0.0, push - (z > 0.0 ? 100.0 * z : 0.0));
+        REQUIRE(bench.step([&](double, const Pose&, const Vec6&) { return hand; }));
+        work += hand.z() * (bench.tool().position.z() - z);
+        const double energy = 0.5 * 0.045 * bench.tool().twist.head<3>().squaredNorm();  // mass of the device file
+        REQUIRE(energy <= work + 1e-12);                                                 // rounding
+        largest = std::max(largest, energy);
+        held += bench.haptics->frame().contacts.count > 0 && bench.haptics->frame().contacts.contacts[0].grip > 0.0;
+      }
+      CHECK(largest > 1e-5);
+      CHECK(held > 200);
+    }
+}
+
 TEST_CASE("compliance: a layer of a solid ends where the next one begins, also after a cut", "[compliance]") {
   constexpr double kCell = 1e-4, kDeep = 8e-4, kCut = 3e-4, kRadius = 5e-4;  // m
   Material soft = layer(500.0, 1.5, kInfinity, 1.0);
@@ -379,10 +445,12 @@ TEST_CASE("compliance: a layer of a solid ends where the next one begins, also a
   CHECK(bench.haptics->frame().contacts.contacts[0].material.thickness == 2e-4);
 }
 
-TEST_CASE("compliance: an explorer sinks into the caries of caries.toml, not into a sound molar", "[compliance]") {
+TEST_CASE("compliance: an explorer sinks into the caries of caries.toml and is held there, not in a sound molar",
+          "[compliance]") {
   const std::string scenes = std::string(ENAMEL_SOURCE_DIR) + "/data/scenes/";
   const SceneFile file = loadScene(scenes + "caries.toml"), sound = loadScene(scenes + "mobile-molar.toml");
-  const auto sinks = [&](const Obstacle& molar) {  // between 0.5 and 4 N, in the central fissure, m
+  // How far it sinks between 0.5 and 4 N in the central fissure, and rises when it is pulled with 0.3 N for 0.3 s, m.
+  const auto probe = [&](const Obstacle& molar) {
     Bench::Setting setting;
     setting.device = "tau-nominal.toml";
     setting.obstacle = molar;
@@ -396,10 +464,16 @@ TEST_CASE("compliance: an explorer sinks into the caries of caries.toml, not int
       REQUIRE(bench.haptics->guard().fault() == GuardReason::none);
       if (i == 999) height = bench.tool().position.z();
     }
-    return height - bench.tool().position.z();
+    const double low = bench.tool().position.z();
+    for (int i = 0; i < 300; ++i) REQUIRE(bench.press(-0.3));
+    return std::pair(height - low, bench.tool().position.z() - low);
   };
-  CHECK(sinks(file.scene.obstacles()[0]) > 3e-4);  // 0.4 mm by the law of one contact 1.3 mm above sound tissue
-  CHECK(std::abs(sinks(sound.scene.obstacles()[0])) < 2e-5);
+  const auto [sinks, rises] = probe(file.scene.obstacles()[0]);
+  const auto [soundSinks, soundRises] = probe(sound.scene.obstacles()[0]);
+  CHECK(sinks > 3e-4);  // 0.4 mm by the law of one contact 1.3 mm above sound tissue
+  CHECK(rises < 2e-4);
+  CHECK(std::abs(soundSinks) < 2e-5);
+  CHECK(soundRises > 1e-3);
 }
 
 TEST_CASE("compliance: a saved state continues bit for bit, also in a broken layer", "[compliance]") {

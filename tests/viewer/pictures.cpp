@@ -604,6 +604,20 @@ TEST_CASE("teeth are ivory with dark fissures, in pink gum; the tool slides over
   CHECK(count("jaw", kGum) > 3000);
 }
 
+TEST_CASE("guides are drawn", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "look.txt", "0 panels\n0 charts\n0.1 picture look\n0.1 end\n");
+  const auto violet = [&](const std::string& scene) {
+    const auto result = test::viewer(test::shippedScene(scene) + " --headless --script '" + folder / "look.txt" +
+                                     "' --overwrite --record '" + folder / "out'");
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return patchOf(Pixels(folder / "out/look.png"), kGuide, {0, 0}, {1280, 720}, 0.1).count;
+  };
+  CHECK(violet("guides.toml") > 300);
+  CHECK(violet("flat-wall.toml") == 0);
+}
+
 TEST_CASE("own scenes stand beside the shipped ones, each once", "[viewer]") {
   const test::TemporaryFolder folder;
   const std::string wall =

@@ -62,11 +62,16 @@ void addPushOptions(CLI::App& command, StudyOptions& options) {
       ->delimiter(',')
       ->expected(2)
       ->capture_default_str();
+  command.add_option("--noise", options.noise, "standard deviation of the person's force, N")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
   command.add_option("--preload", options.preload, "force before the step of scenario 1, with noise, N")
       ->capture_default_str();
   command.add_option("--tip", options.tip_mm, kTipHelp)->delimiter(',')->expected(3);
   command.add_flag("--arm", options.arm,
                    "push scenario 1 through the mass of an arm and a grip (kArm, lib/include/enamel/sim/hand.hpp)");
+  command.add_flag("--finger-rest", options.rest,
+                   "a finger 15 mm behind the tip rests on a tooth (kFingerRest, lib/include/enamel/sim/hand.hpp)");
   command.add_option("--guard", options.guard, "guard; off: every torque passes, and loops run to their end")
       ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"on", true}, {"off", false}}))
       ->default_str("on");

@@ -40,6 +40,7 @@ struct StudyOptions {
   std::vector<double> force = {8.0, 15.0};  ///< range of the uniformly distributed F_c, N
   ImpedanceOptions impedance;               ///< of the renderers impedance and passivity
   bool arm = false;                         ///< scenario 1 pushes through an arm
+  bool rest = false;                        ///< a finger rests on a tooth (kFingerRest)
   bool insideTick = false;                  ///< the step comes at a random instant within its tick
   bool encoders = false, resume = false, overwrite = false;
   int part = 1, parts = 1;                ///< this process performs part `part` of `parts` of the runs

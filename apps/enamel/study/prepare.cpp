@@ -64,6 +64,7 @@ void setPlan(Study& study, SourceTexts& texts) {
   plan.setup.hand.preload = options.preload;
   plan.setup.hand.noise = options.noise;
   if (options.arm) plan.setup.hand.arm = kArm;
+  if (options.rest) plan.setup.hand.rest = kFingerRest;
   if (!(0.0 <= options.force[0] && options.force[0] <= options.force[1] && options.force[1] <= 1e3))
     throw Error(
         fmt::format("--force is {},{}, must be in 0 to 1000 N, the smaller first", options.force[0], options.force[1]));
@@ -107,6 +108,7 @@ std::string manifestOf(const Study& study, const SourceTexts& texts, const Colum
   m["noise [N]"] = setup.hand.noise;
   m["preload [N]"] = setup.hand.preload;
   m["arm"] = options.arm;
+  if (options.rest) m["finger rest"] = true;
   m["tip [mm]"] = options.tip_mm;
   m["step inside its tick"] = plan.insideTick;
   m["release"] = options.release;

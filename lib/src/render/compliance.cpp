@@ -16,6 +16,16 @@ constexpr double kUnit = 1e-3;     // m: Material::stiffness is that at this dep
 constexpr int kMostHalvings = 80;  // of the search for a compression; about 6 are usual, halvings need 60 at most
 constexpr int kMostCells = 100;    // of a layer of a solid: its thickness is sought no farther
 
+// Return the normal force of the walls of a hole on a tool of a radius, m, at a depth, m. The tool has pressed the
+// walls aside by its radius. Their pressure is that under a ball which is pressed in as deep, but at most that of a
+// puncture.
+double gripOf(Material m, double radius, double depth) noexcept {
+  if (!(radius > 0.0)) return 0.0;
+  const double area = std::min(depth, m.thickness) / radius;  // of the walls, over that of the ball, 2 pi radius^2
+  m.thickness = std::numeric_limits<double>::infinity();
+  return 2.0 * area * std::min(forceOf(m, radius, kNotCompressed, 1.0).force, m.puncture);
+}
+
 // Return how thick the layer of a solid is below the surface at a contact, m; infinite: its end was not found.
 double thicknessAt(const Obstacle& obstacle, const Solid& solid, const Contact& contact) noexcept {
   const Mat3 axes = obstacle.pose.rotation.transpose();
@@ -88,7 +98,8 @@ double compressionUnder(const Material& m, double force, double before, double p
 ComplianceMemory::ComplianceMemory(const Scene& scene)
     : isAny_(anySurface(scene, [](const Material& material, const Tap&) { return material.isLayer(); })) {}
 
-void ComplianceMemory::enter(const Scene& scene, const Tool& tool, ContactSnapshot& contacts) noexcept {
+void ComplianceMemory::enter(const Scene& scene, const Tool& tool, int bur, double elapsed,
+                             ContactSnapshot& contacts) noexcept {
   if (!isAny_) return;
   std::array<double, kMaxContacts> sharing;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
@@ -99,20 +110,31 @@ void ComplianceMemory::enter(const Scene& scene, const Tool& tool, ContactSnapsh
   bool isMoved = false;
   for (int i = 0; i < contacts.count; ++i) {
     Contact& c = contacts.contacts[static_cast<std::size_t>(i)];
+    c.grip = 0.0;
     if (!c.material.isLayer()) continue;
     c.material.stiffness /= sharing[static_cast<std::size_t>(i)];
     const Obstacle& obstacle = scene.obstacles()[static_cast<std::size_t>(c.obstacle)];
-    if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape))
-      c.material.thickness = std::min(c.material.thickness, thicknessAt(obstacle, **solid, c));
+    const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape);
+    if (solid != nullptr) c.material.thickness = std::min(c.material.thickness, thicknessAt(obstacle, **solid, c));
     c.compression = kNotCompressed;
+    double deepest = 0.0;  // compression of the part
     for (const Pressed& last : last_) {
       if (last.obstacle != c.obstacle || last.part != c.part) continue;
       c.isPunctured = c.isPunctured || (c.gap < 0.0 && last.isPunctured != 0.0 && std::isfinite(c.material.puncture));
       if (last.key == c.key) c.compression = last.compression;
+      deepest = std::max(deepest, last.compression);
     }
-    if (!c.isPunctured) continue;
-    isMoved = true;
-    c.gap += c.material.thickness;
+    if (c.compression == kNotCompressed && deepest > 0.0) c.compression = deepest;  // a new place of a pressed layer
+    if (!c.isPunctured) {
+      if (solid == nullptr || c.part != bur) continue;
+      const double left = deepest - kBurRises * elapsed;
+      c.material.thickness = std::min(c.material.thickness, left);
+      if (left > 0.0) continue;
+    } else {
+      isMoved = true;
+      c.grip = gripOf(c.material, tool.parts[static_cast<std::size_t>(c.part)].radius, -c.gap);
+      c.gap += c.material.thickness;
+    }
     c.compression = -1.0;
     const Material rigid;
     c.material.stiffness = rigid.stiffness;

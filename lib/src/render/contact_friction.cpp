@@ -33,7 +33,8 @@ JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, con
   for (int c = 0; c < frame.contacts.count; ++c) {
     const Contact& contact = frame.contacts.contacts[c];
     if (!(contact.material.friction > 0.0)) continue;
-    const double normal = normals[static_cast<std::size_t>(c)];
+    const double normal = normals[static_cast<std::size_t>(c)] + contact.grip;
+    const bool floats = contact.grip > 0.0 && normals[static_cast<std::size_t>(c)] == 0.0;
     const ContactRow& row = frame.rows.row[c];
     const Lane first = modes.toModes(row.tangent[0]), second = modes.toModes(row.tangent[1]);
     double aa = 0.0, ab = 0.0, bb = 0.0, lead = 0.0, rounding = 0.0;
@@ -47,9 +48,15 @@ JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, con
     }
     double softest = 0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab);
     Vec3 base = contact.obstacleVelocity, after = base;  // during the delay, and when the torque acts
+    if (floats) {
+      const Lane across = modes.toModes(row.normal);
+      for (int mode = 0; mode < modes.count; ++mode)
+        softest += across[mode] * across[mode] / modes.law.stiffness[mode];  // at most, in any direction
+    }
     if (frame.yield.isAny) {
       const auto at = static_cast<std::size_t>(c);
-      softest += modes.period * lead / (aa + bb) * frame.yield.across[at];
+      softest +=
+          modes.period * lead / (aa + bb) * (frame.yield.across[at] + (floats ? frame.yield.inverse[at][at] : 0.0));
       base -= frame.yield.velocity[at];
       after = base + frame.yield.afterUnder(normals, c, frame.contacts.count, modes.period);
     }
@@ -59,8 +66,10 @@ JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, con
     const SurfaceMotion slide{translationAt(way6, arm) - modes.period * contact.obstacleVelocity,
                               translationAt(ahead6, arm) - modes.seconds * base, translationAt(velocity6, arm) - after};
     const Vec3 held = memory.force(contact, slide, gains, normal);
-    for (int j = 0; j < modes.count; ++j)
+    for (int j = 0; j < modes.count; ++j) {
       torque[j] += row.axes.col(0).dot(held) * row.tangent[0][j] + row.axes.col(1).dot(held) * row.tangent[1][j];
+      if (floats) torque[j] += contact.normal.dot(held) * row.normal[j];
+    }
   }
   memory.end();
   return torque;

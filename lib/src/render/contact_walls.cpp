@@ -96,11 +96,13 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
     if (frame.yield.isAny) {
       w.rest -= contact.normal.dot(frame.yield.velocity[c]);
       w.after = w.rest + contact.normal.dot(frame.yield.after[c]);
+      if (frame.yield.inverse[c][c] > 0.0) w.movable = contact.obstacle;
     }
     w.softness = softness(contact, contact.compression, 0.0, modes.period);
     w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
     w.contact = c;
-    double was = 0.0;  // a new wall begins at the tool
+    // A new wall begins at the tool. That of a layer begins where the layer was pressed to.
+    double was = contact.compression < kNotCompressed ? std::min(0.0, -contact.compression) : 0.0;
     const auto end = memory.wall.begin() + static_cast<int>(memory.count);
     const auto before = std::find_if(memory.wall.begin(), end, [&](const Wall& other) { return other.name == w.name; });
     if (before != end) {
@@ -114,6 +116,10 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
   for (int i = 0; i < static_cast<int>(memory.count) && count < kMostWalls; ++i) {
     Wall w = memory.wall[i];
     if (w.contact >= 0.0) continue;
+    // The other contacts of a movable obstacle carry its force. A wall that did not give way would add to it.
+    if (w.movable >= 0.0 &&
+        std::any_of(walls, walls + frame.contacts.count, [&](const Wall& other) { return other.movable == w.movable; }))
+      continue;
     w.speed = w.after = std::min(w.speed, w.rest);  // a movable obstacle is unknown from now on: it only recedes
     const Lane row = modes.toModes(w.row);
     const double soft = complianceOf(modes, row) + w.softness;

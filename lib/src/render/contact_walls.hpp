@@ -23,6 +23,7 @@ struct Wall {
   double name = 0.0;       ///< identifies the wall from tick to tick
   double retreated = 0.0;  ///< m: of a wall that has vanished
   double contact = -1.0;   ///< index in the frame; -1: vanished
+  double movable = -1.0;   ///< number of the obstacle if it is movable, else -1
   double holds = 0.0;      ///< the tool has reached it, and the hand has not moved back since
 };
 

@@ -18,6 +18,7 @@ constexpr int kMostBlades = 100;
 constexpr double kFollow = 0.05;    // filter gain per tick for force, hardness and feed
 constexpr double kMostFeed = 0.02;  // m/s
 constexpr double kMostOwed = 4.0;
+constexpr double kPartly = 4.0;                             // area of a bur over the least area that cuts
 constexpr double kFacing = 0.1, kAhead = 0.7, kSide = 0.9;  // cosines
 // Contacts beside the direction of the force are soft. A servo that is as stiff sideways as ahead holds a spinning bur
 // in three directions, and encoder noise makes it chatter in each.
@@ -134,7 +135,7 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
     return c.part == number_ && obstacle < solids_.size() && solids_[obstacle] != nullptr;
   });
   turn(elapsed);
-  if (deepest == end || !isOn_ || !force.allFinite()) return lift();
+  if (deepest == end || deepest->isPunctured || !isOn_ || !force.allFinite()) return lift();
   lastCut_.obstacle = -1;
   const int number = deepest->obstacle;
   const Obstacle& obstacle = scene.obstacles()[static_cast<std::size_t>(number)];
@@ -152,7 +153,7 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   load_ = drag_ * pressed * part_.radius;
   way_ = pressed > 0.0 ? Vec3(force_ / pressed) : deepest->normal;
   rough_ = solid.cell() * solid.cell() / (4.0 * part_.radius);
-  const double asked = removal_ * speed_ * pressed / hardness_ * elapsed + owed_;
+  const double rate = removal_ * speed_ * pressed / hardness_, asked = rate * elapsed + owed_;
   advance_ = std::clamp(asked / area_, 0.0, kMostFeed * elapsed + rough_);
 
   // Retract the bur until no contact is deeper than this tick's advance.
@@ -174,9 +175,10 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
     hardness_ += kFollow * (weighted / volume - hardness_);
   }
   owed_ = std::clamp(asked - volume, -kMostOwed * area_ * rough_, kMostOwed * area_ * rough_);
-  // While the bur cuts, the tool moves with the surface.
+  // While the bur cuts, the tool moves with the surface. A tool that moves faster than the bur can cut is in the air.
   const Vec3 moved = obstacle.pose.rotation * (axis.a - last_.a);
-  if (obstacle_ == number) feed_ += kFollow * (-way_.dot(moved) / elapsed - feed_);
+  if (obstacle_ == number)
+    feed_ = std::min(feed_ + kFollow * (-way_.dot(moved) / elapsed - feed_), kPartly * rate / area_);
   obstacle_ = number;
   last_ = axis;
   if (reached > 0.0 && reached < 1.0)  // the next tick cuts the rest

@@ -10,8 +10,6 @@ constexpr double kLoadFollows = 0.1;  // filter gain per tick: the load is a mea
 
 Vec3 vector(const std::array<double, 3>& a) noexcept { return {a[0], a[1], a[2]}; }
 
-Vec3 along(const Vec3& normal, const Vec3& v) noexcept { return v - normal.dot(v) * normal; }
-
 // Shorten `v` to `length` if it is longer.
 Vec3 shortened(const Vec3& v, double length) noexcept {
   const double size = v.norm();
@@ -43,12 +41,14 @@ Vec3 FrictionMemory::force(const Contact& contact, const SurfaceMotion& slide, c
     }
   }
   if (before == nullptr && !(normalForce > 0.0)) return Vec3::Zero();
-  const Vec3& n = contact.normal;
+  // The walls of a hole hold the tool in every direction. Along the normal, the ground does if it carries a force.
+  const bool floats = contact.grip > 0.0 && normalForce <= contact.grip;
+  const auto along = [&](const Vec3& v) { return floats ? v : Vec3(v - contact.normal.dot(v) * contact.normal); };
   Vec3 stretch = Vec3::Zero();
   double load = normalForce, budget = normalForce;
   bool slides = false;
   if (before != nullptr) {
-    stretch = along(n, vector(before->stretch) + slide.displacement);
+    stretch = along(vector(before->stretch) + slide.displacement);
     load = before->load + kLoadFollows * (normalForce - before->load);
     budget += std::min(before->budget, load / kLoadFollows);
     slides = before->slides != 0.0;
@@ -60,7 +60,7 @@ Vec3 FrictionMemory::force(const Contact& contact, const SurfaceMotion& slide, c
   const double soft = gains.step > 0.0 ? std::min(1.0, limit / (kSteps * gains.step * gains.stiffness)) : 1.0;
   const double stiffness = soft * gains.stiffness, damping = soft * gains.damping;
 
-  const Vec3 lead = along(n, slide.predicted), velocity = along(n, slide.velocity);
+  const Vec3 lead = along(slide.predicted), velocity = along(slide.velocity);
   // Strong ticks save budget for weak ones, so that a hopping tool keeps its grip until it lands.
   const double holds = normalForce > 0.0 ? std::min(std::max(load, normalForce), budget) : budget;
   // The spring decides whether the contact slides. The damper must not: it reacts to every encoder count.

@@ -88,15 +88,16 @@ Status ImpedanceRenderer::render(const TickFrame& frame, TickOutput& output) noe
       moves -= period_ * after;
     }
     const SurfaceMotion slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, moves, velocity};
-    if (force < 0.0) {
+    if (force < 0.0 && !(contact.grip > 0.0)) {
       (void)state_.friction.force(contact, slide, gains, 0.0);  // keeps its friction state: it may touch again at once
       continue;
     }
-    const Vec3 both = force * contact.normal + state_.friction.force(contact, slide, gains, force);
+    const double pushes = std::max(0.0, force);
+    const Vec3 both = pushes * contact.normal + state_.friction.force(contact, slide, gains, pushes + contact.grip);
     wrench.head<3>() += both;
     wrench.tail<3>() += arm.cross(both);
-    if (output.mode == RenderMode::free) output.normalForce = force;  // of the deepest contact
-    output.normalForces[i] = force;
+    if (output.mode == RenderMode::free) output.normalForce = pushes;  // of the deepest contact
+    output.normalForces[i] = pushes;
     output.mode = RenderMode::contact;
   }
   state_.friction.end();

@@ -542,7 +542,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   output.mode = RenderMode::free;
   output.normalForce = 0.0;
   for (int c = 0; c < frame.contacts.count; ++c)
-    if (walls[c].gap <= near) output.mode = RenderMode::contact;
+    if (walls[c].gap <= near || frame.contacts.contacts[c].grip > 0.0) output.mode = RenderMode::contact;
   const double given = share(frame, a, walls, targets, placed, force, output);
   for (int i = 0; i < placed; ++i) {
     force[i] *= given;

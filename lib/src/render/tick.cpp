@@ -112,15 +112,16 @@ Status HapticTick::sense(const Measurement& m) noexcept {
 }
 
 Status HapticTick::findContacts(double time, double elapsed) noexcept {
-  const Status status = scene_.findContacts(frame_.kinematics.pose, time, elapsed, frame_.contacts);
+  const Status status = scene_.findContacts(frame_.kinematics.pose, time, elapsed, bur(), frame_.contacts);
   if (status != Status::ok) return status;
-  if (scene_.isRough()) {
-    const int bur = drill_ != nullptr && drill_->spins() ? drill_->part() : -1;  // it removes what it would feel
+  if (scene_.isRough())  // a bur removes what it would feel
     roughen(scene_.scene(), scene_.tool(), frame_.kinematics, mechanism_.limits().encoderStep, guard_.options().period,
-            bur, frame_.contacts);
-  }
+            bur(), frame_.contacts);
   if (const double scale = mechanism_.scale(); scale != 1.0)  // materials are stated for forces at the hand
-    for (int i = 0; i < frame_.contacts.count; ++i) scaleForces(frame_.contacts.contacts[i].material, 1.0 / scale);
+    for (int i = 0; i < frame_.contacts.count; ++i) {
+      scaleForces(frame_.contacts.contacts[i].material, 1.0 / scale);
+      frame_.contacts.contacts[i].grip /= scale;
+    }
   if (drill_ != nullptr) {
     drill_->vibrate(frame_.kinematics.pose, guard_.options().period, frame_.contacts);
     drill_->correct(frame_.contacts);

@@ -29,10 +29,11 @@ TickScene::TickScene(const Scene& scene, const Tool& tool)
       hasTaps_(enamel::hasTaps(scene)),
       isRough_(enamel::isRough(scene)) {}
 
-Status TickScene::findContacts(const Pose& pose, double time, double elapsed, ContactSnapshot& contacts) noexcept {
+Status TickScene::findContacts(const Pose& pose, double time, double elapsed, int bur,
+                               ContactSnapshot& contacts) noexcept {
   const Scene& now = motion_.follow(*stated_, time, elapsed);
   const Status status = followContacts(now, tool_, pose, kContactMargin, track_, contacts);
-  compliance_.enter(now, tool_, contacts);
+  compliance_.enter(now, tool_, bur, elapsed, contacts);
   return status;
 }
 

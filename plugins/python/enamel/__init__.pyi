@@ -172,6 +172,17 @@ class Scene:
         friction: float = ...,
         thickness: float = ...,
     ) -> int: ...
+    def add_labels(
+        self,
+        name: str,
+        labels: npt.ArrayLike,
+        layers: Sequence[Tuple[str, Sequence[int], float]],
+        spacing: npt.ArrayLike,
+        smoothing: Optional[float] = ...,
+        cell: float = ...,
+        position: npt.ArrayLike = ...,
+        rotation: Optional[npt.ArrayLike] = ...,
+    ) -> int: ...
     def add_solid(
         self, name: str, path: _File, position: npt.ArrayLike = ..., rotation: Optional[npt.ArrayLike] = ...
     ) -> int: ...

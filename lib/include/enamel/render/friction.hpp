@@ -58,7 +58,8 @@ class FrictionMemory {
   /// Begin a tick. Realtime: yes.
   void begin() noexcept;
 
-  /// Return the friction force on the tool at a contact, along the surface, W, N. `normalForce` is in N; with zero the
+  /// Return the friction force on the tool at a contact, along the surface, W, N. In a hole (Contact::grip) it also
+  /// acts along the normal, while the ground carries no force. `normalForce` is in N, with the grip; with zero the
   /// result is zero. Call this once per tick for each near contact, also if it carries no force. A contact is
   /// recognised by its key or, without a key, by its obstacle, tool part and place. Realtime: yes.
   Vec3 force(const Contact& contact, const SurfaceMotion& slide, const TangentialGains& gains,
