@@ -107,6 +107,7 @@ inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, Segme
 
 }  // namespace
 
-const Loops kBaselineLoops = {&closest, &visit, &visitSegment, &closestToSegment, &visitMinima};
+const Loops kBaselineLoops = {&closest,     &visit,      &visitSegment,   &closestToSegment,
+                              &visitMinima, &boundCells, &nearestOnCells, &cutBrick};
 
 }  // namespace enamel::kernel
