@@ -24,7 +24,7 @@ bool cutBrick(float* samples, const float away[3][kBrickEdge], int first, int la
     const V dz = set(away[2][slice]);
     for (int start = 0; start < kSliceSamples; start += kWidth) {
       const int at =
-          start + kWidth <= kSliceSamples ? start : kSliceSamples - kWidth;  // overlaps: a second cut is none
+          start + kWidth <= kSliceSamples ? start : kSliceSamples - kWidth;  // overlaps: a second cut changes nothing
       V dx = load(x + at), dy = load(y + at), squared;
       if (bur.perLength == 0.0f) {
         squared = dx * dx + dy * dy + dz * dz;

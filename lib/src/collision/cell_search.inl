@@ -5,11 +5,9 @@
 
 #include "lanes.inl"
 
-constexpr float kNoSlope = 1e-6f;        // squared gradient
-constexpr float kNearlyAligned = 0.93f;  // cosine of way and normal at a minimum, with margin
-constexpr float kSameDirection = 0.8660254f;
+constexpr float kNoSlope = 1e-6f;             // squared gradient
+constexpr float kAlignedCosine = 0.9396926f;  // of 20 deg: way and normal at a minimum
 constexpr float kSmooth = 0.1f, kHalfDiagonal = 0.8660254f;
-constexpr float kUnsettled = 2e-3f;  // cells: twice the accuracy of approach()
 
 inline V plainDot(const V3& a, const V3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -35,16 +33,16 @@ inline V planeAtCentre(const V* s, V3& gradient) {
   return set(0.125f) * ((low + back) + (up + far));
 }
 
-// Step from u to the surface, and along it by `length` of the way. A step stays on the border of the cell.
-inline void stepInCells(V value, V3 gradient, V3 way, V length, V3& u) {
+// Step from u to the surface, and along it by the way. A step stays on the border of the cell.
+inline void stepInCells(V value, V3 gradient, V3 way, V3& u) {
   const V zero = set(0.0f), one = set(1.0f);
   for (int pass = 0;; ++pass) {
     const V perSquared = one / maximum(plainDot(gradient, gradient), set(kNoSlope));
-    const V share = (value + length * plainDot(gradient, way)) * perSquared;
+    const V share = (value + plainDot(gradient, way)) * perSquared;
     V3 next;
     unsigned isOut = 0;
     for (int i = 0; i < 3; ++i) {
-      next[i] = u[i] + length * way[i] - gradient[i] * share;
+      next[i] = u[i] + way[i] - gradient[i] * share;
       const V below = selectGreater(u[i], zero, zero, zero - next[i]);
       const V above = selectGreater(one, u[i], zero, next[i] - one);
       const V out = maximum(below, above);
@@ -79,9 +77,9 @@ unsigned nearestOnCells(const CellRows& cells, const int16_t* which, int count, 
   for (int i = 0; i < 3; ++i) u[i] = between(q[i] - share * gradient[i], zero, one);
   value = interpolate(s, u, gradient);
   for (int i = 0; i < 3; ++i) way[i] = q[i] - u[i];
-  stepInCells(value, gradient, way, one, u);
+  stepInCells(value, gradient, way, u);
   value = interpolate(s, u, gradient);
-  stepInCells(value, gradient, {{zero, zero, zero}}, zero, u);
+  stepInCells(value, gradient, {{zero, zero, zero}}, u);
   value = interpolate(s, u, gradient);
   const V squared = maximum(plainDot(gradient, gradient), set(kNoSlope)), perNorm = one / root(squared);
   share = value / squared;
@@ -89,19 +87,19 @@ unsigned nearestOnCells(const CellRows& cells, const int16_t* which, int count, 
     way[i] = q[i] - (u[i] - gradient[i] * share);
     store(places->way[i], way[i]);
   }
-  const V distance = root(plainDot(way, way)), least = distance - absolute(value) * perNorm - set(kUnsettled);
+  const V distance = root(plainDot(way, way)), least = distance - absolute(value) * perNorm - set(kCellError);
   store(places->distance, distance);
   store(places->least, least);
-  const V aligned = set(kNearlyAligned) * distance - plainDot(way, gradient) * perNorm;
+  const V aligned = set(kAlignedCosine) * distance - plainDot(way, gradient) * perNorm;
   unsigned minima = lessOrEqualMask(aligned, zero) & lessOrEqualMask(least, known.most);
   // Walls that meet in an edge are resolved at larger angles only: there the tangent planes' edge is farther away than
   // the places by distance (1 - cosine) / 4.
-  const V cosine = maximum(one - one / maximum(distance * distance, one), set(kSameDirection));
+  const V cosine = maximum(one - one / maximum(distance * distance, one), set(kRepresentedCosine));
   for (int i = 0; i < known.count; ++i) {
     const V along =
         set(known.direction[0][i]) * way[0] + set(known.direction[1][i]) * way[1] + set(known.direction[2][i]) * way[2];
     minima &= lessOrEqualMask(along, cosine * distance) |
-              ~lessOrEqualMask(set(known.distance[i]), distance + set(kUnsettled));
+              ~lessOrEqualMask(set(known.distance[i]), distance + set(kCellError));
   }
   return (minima | lessOrEqualMask(least, known.best)) & ((2u << (count - 1)) - 1u);
 }

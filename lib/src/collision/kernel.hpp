@@ -146,6 +146,9 @@ struct CellPlaces {
   float least[kWidth];     ///< lower bound of the distance
 };
 
+inline constexpr float kCellError = 2e-3f;               ///< cells: twice the accuracy of approach() in solid_patch.inl
+inline constexpr float kRepresentedCosine = 0.8660254f;  ///< of 30 deg: a minimum represents directions within it
+
 /// Minima of the distance from a point that were found before.
 struct KnownMinima {
   static constexpr int kMost = 8;
@@ -196,7 +199,7 @@ struct Loops {
   /// back permits the direction.
   void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);
   /// Bound the distances of cells of a solid whose axis may be nearest up to `step` ahead or back. The same bits at
-  /// every SIMD level. Writes up to 15 rows beyond the last cell.
+  /// every SIMD level. Writes up to 15 rows after the last cell.
   void (*boundCells)(CellRows* cells, const float step[3]);
   /// Find the nearest places in `count` cells, at most 16, and return the bits of those that may be a minimum or the
   /// nearest. The same bits at every SIMD level.

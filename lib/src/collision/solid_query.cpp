@@ -15,13 +15,11 @@ namespace {
 
 constexpr double kFarthest = 1.0;  // above half a diagonal: a cell with surface has a place so near its centre
 constexpr double kClose = 2.0 * kBrickCells;
-constexpr int kRounds = 8;           // of an axis and a patch
-constexpr double kFew = 4.0;         // a first step shorter than 1 / kFew of the range goes to its end instead
-constexpr float kUnsettled = 2e-3f;  // cells: twice the accuracy of approach()
-constexpr double kClear = 0.5;       // farther away the offset from the surface gives its normal
+constexpr int kRounds = 8;      // of an axis and a patch
+constexpr double kFew = 4.0;    // a first step shorter than 1 / kFew of the range goes to its end instead
+constexpr double kClear = 0.5;  // farther away the offset from the surface gives its normal
 constexpr double kAligned = 0.9396926207859084;  // cos 20 deg
 // Of minima within 30 deg the nearest represents the others, unless they are of two walls.
-constexpr float kSameDirection = 0.8660254f;
 constexpr double kRounded = 1.0 + 1e-6;  // larger than the error of a distance in float
 constexpr std::uint32_t kSlice = kBrickCells * kBrickCells;
 constexpr double kResolved = 0.25;  // times h^2 / R: the error of the interpolation
@@ -282,19 +280,27 @@ struct NearestSearch : SolidQuery {
   }
 };
 
+// A place that may be a minimum. Unless it is exact, only cell, distance and direction are known, as estimates.
+struct Candidate {
+  std::uint32_t cell;
+  float distance;
+  Eigen::Vector3f direction;  // to the point
+  bool isExact = false;
+  Nearest place = {};
+};
+
 // The minima of the distance from a point, nearest first.
 struct Collected : KnownMinima {
-  std::array<Nearest, kMost> all;
-
-  Eigen::Vector3f to(int i) const { return {direction[0][i], direction[1][i], direction[2][i]}; }
+  std::array<Candidate, kMost> all;
 
   // Keep the others for which `keeps` is true, and insert this one.
   template <typename Keeps>
-  void add(const Vec3& p, const Nearest& candidate, const Keeps& keeps) {
+  void add(const Candidate& candidate, const Keeps& keeps) {
     int kept = 0, place = 0;
     for (int i = 0; i < count; ++i)
       if (keeps(i)) {
-        all[kept++] = all[i];
+        if (kept != i) all[kept] = all[i];
+        ++kept;
         if (all[i].distance <= candidate.distance) place = kept;
       }
     if (place < kMost) {
@@ -305,9 +311,8 @@ struct Collected : KnownMinima {
     }
     count = kept;
     for (int i = 0; i < count; ++i) {
-      const Eigen::Vector3f unit = (p - all[i].point).cast<float>().stableNormalized();
-      distance[i] = static_cast<float>(all[i].distance);
-      for (int k = 0; k < 3; ++k) direction[k][i] = unit[k];
+      distance[i] = all[i].distance;
+      for (int k = 0; k < 3; ++k) direction[k][i] = all[i].direction[k];
     }
   }
 };
@@ -319,9 +324,16 @@ struct MinimaSearch : SolidQuery {
     Nearest best{reach};
     Collected found;
     forEachSeen([&] { return reach; }, [&](const SeenCells& cells) { collect(cells, reach, best, found); });
-    if (best.found) add(best, found);  // also counts if the surface has no normal there that points to p
-    for (int i = 0; i < found.count; ++i) minima.all[i] = answer(found.all[i], 1.0);
-    minima.count = found.count;
+    if (best.found) add(exact(0, best), found);  // also counts if the surface has no normal there that points to p
+    minima.count = 0;
+    for (int i = 0; i < found.count; ++i) {
+      Nearest place = found.all[i].place;
+      if (!found.all[i].isExact && !searchCell(found.all[i].cell, place)) continue;
+      int at = minima.count++;  // estimates may have another order
+      for (; at > 0 && place.distance * solid.cell() < minima.all[at - 1].distance; --at)
+        minima.all[at] = minima.all[at - 1];
+      minima.all[at] = answer(place, 1.0);
+    }
   }
 
  private:
@@ -336,28 +348,39 @@ struct MinimaSearch : SolidQuery {
     return beyond > kResolved / far && valueAt(a + toEdge) > -0.5 * beyond;
   }
 
-  // Whether a place in this direction (unit vector) is represented by a minimum that is not farther than `most`.
-  bool isKnown(const Collected& found, const Eigen::Vector3f& unit, float distance, float most) const {
+  // Whether a place in this direction (unit vector) is represented by a minimum that is not farther.
+  bool isKnown(const Collected& found, const Eigen::Vector3f& unit, float distance) const {
     // At small angles the edge of areWalls() is not resolved: there `beyond` is distance (1 - cosine) / 4.
     const float resolved = 1.0f - 4.0f * static_cast<float>(kResolved) / std::max(distance * distance, 1.0f);
     const auto& [x, y, z] = found.direction;
     float cosine[Collected::kMost];
     for (int i = 0; i < Collected::kMost; ++i) cosine[i] = x[i] * unit.x() + y[i] * unit.y() + z[i] * unit.z();
-    for (int i = 0; i < found.count && found.distance[i] <= most; ++i)
-      if (cosine[i] > kSameDirection &&
-          (cosine[i] > resolved || !areWalls(found.to(i), found.distance[i], unit, distance)))
+    for (int i = 0; i < found.count && found.distance[i] <= distance; ++i)
+      if (cosine[i] > kRepresentedCosine &&
+          (cosine[i] > resolved || !areWalls(found.all[i].direction, found.distance[i], unit, distance)))
         return true;
     return false;
   }
 
-  void add(const Nearest& candidate, Collected& found) const {
-    const Eigen::Vector3f unit = (a - candidate.point).cast<float>().stableNormalized();
-    const auto distance = static_cast<float>(candidate.distance);
-    if (isKnown(found, unit, distance, distance)) return;
-    found.add(a, candidate, [&](int i) {
-      return found.to(i).dot(unit) <= kSameDirection || found.distance[i] <= distance ||
-             areWalls(found.to(i), found.distance[i], unit, distance);
+  void add(const Candidate& one, Collected& found) const {
+    if (isKnown(found, one.direction, one.distance)) return;
+    found.add(one, [&](int i) {
+      const Candidate& other = found.all[i];
+      return other.direction.dot(one.direction) <= kRepresentedCosine || other.distance <= one.distance ||
+             areWalls(other.direction, other.distance, one.direction, one.distance);
     });
+  }
+
+  Candidate exact(std::uint32_t cell, const Nearest& place) const {
+    return {cell, static_cast<float>(place.distance), (a - place.point).cast<float>().stableNormalized(), true, place};
+  }
+
+  bool searchCell(std::uint32_t cell, Nearest& place) const {
+    const Vec3 low = lowOf(cell), q = a - low;
+    Touch touch;
+    if (!nearestOn(Patch(samplesOf(cell)), q, touch)) return false;
+    place = {(q - touch.point).norm(), 0.0, low + touch.point, touch.gradient, true};
+    return true;
   }
 
   // The likely nearest first, so that others in the same direction need no closer look.
@@ -365,8 +388,9 @@ struct MinimaSearch : SolidQuery {
     const Order order(cells, reach);
     CellPlaces places;
     for (int first = 0; first < cells.count; first += kWidth) {
-      const double most =
-          found.count < found.kMost ? reach : std::max(best.distance, found.all[found.count - 1].distance);
+      const double most = found.count < found.kMost
+                              ? reach
+                              : std::max(best.distance, static_cast<double>(found.distance[found.count - 1]));
       if (order.least(first) > most) return;
       found.best = static_cast<float>(best.distance);
       found.most = static_cast<float>(most);
@@ -384,19 +408,18 @@ struct MinimaSearch : SolidQuery {
 
   void lookAt(std::uint32_t cell, const CellPlaces& places, int lane, double reach, Nearest& best,
               Collected& found) const {
-    const float distance = places.distance[lane];
-    if (static_cast<double>(places.least[lane]) >= best.distance) {
+    const float distance = places.distance[lane], least = places.least[lane];
+    if (static_cast<double>(least) < best.distance || distance - least > 2.0f * kCellError) {
+      Nearest place{};
+      if (!searchCell(cell, place)) return;
+      if (place.distance < best.distance) best = place;
+      if (place.distance <= reach &&
+          (a - place.point).dot(place.gradient) > kAligned * place.distance * place.gradient.norm())
+        add(exact(cell, place), found);
+    } else {
       const Eigen::Vector3f way(places.way[0][lane], places.way[1][lane], places.way[2][lane]);
-      if (isKnown(found, way / std::max(distance, 1e-6f), distance, distance + kUnsettled)) return;
+      add({cell, distance, way / std::max(distance, 1e-6f)}, found);
     }
-    const Vec3 low = lowOf(cell), q = a - low;
-    Touch touch;
-    if (!nearestOn(Patch(samplesOf(cell)), q, touch)) return;
-    const Vec3 way = q - touch.point;
-    const Nearest candidate{way.norm(), 0.0, low + touch.point, touch.gradient, true};
-    if (candidate.distance < best.distance) best = candidate;
-    if (candidate.distance <= reach && way.dot(touch.gradient) > kAligned * candidate.distance * touch.gradient.norm())
-      add(candidate, found);
   }
 };
 
