@@ -246,7 +246,7 @@ std::vector<CellPlace> placesOf(const Solid& solid, const Vec3& p, double reach)
             continue;
           const Vec3 way = q - touch.point;
           places.push_back({way.norm(), way.normalized(),
-                            way.normalized().dot(touch.gradient.normalized()) > std::cos(15.0 / 180.0 * M_PI)});
+                            way.cross(touch.gradient.normalized()).norm() < 0.2 && way.dot(touch.gradient) > 0.0});
         }
   }
   return places;
@@ -307,6 +307,19 @@ TEST_CASE("solid: the minima in a freshly cut pit against all cells, one by one"
   }
   CHECK(minima > 1000);
   CHECK(uncovered < minima / 50);  // a minimum between them was replaced by a nearer one
+}
+
+TEST_CASE("solid: outside of a ball the distance has one minimum, at every distance", "[solid]") {
+  const Solid solid(MeshModel(test::transformed(test::ball(5), 3e-3, Vec3::Zero())), kTooth, {kCell});
+  test::Random random(2205);
+  for (int i = 0; i < test::count(2000, 50000); ++i) {
+    const double distance = kCell * random.uniform(0.05, 6.0);
+    const Vec3 p = (3e-3 + distance) * random.direction();
+    kernel::SolidMinima minima;
+    kernel::findMinima(solid, p, 7.0 * kCell, minima);
+    REQUIRE(minima.count == 1);
+    CHECK(minima.all[0].distance == Approx(distance).margin(0.05 * kCell));  // as above
+  }
 }
 
 TEST_CASE("solid: layers, their contacts' material, undo and restore", "[solid]") {

@@ -6,6 +6,7 @@
 #include "lanes.inl"
 
 constexpr float kNoSlope = 1e-6f;             // squared gradient
+constexpr float kBesideCell = 0.25f;          // cells: from the end of a way along the normal to the cell
 constexpr float kAlignedCosine = 0.9396926f;  // of 20 deg: way and normal at a minimum
 constexpr float kSmooth = 0.1f, kHalfDiagonal = 0.8660254f;
 
@@ -58,13 +59,14 @@ inline void stepInCells(V value, V3 gradient, V3 way, V3& u) {
 }
 
 // The first place is that of the tangent plane at the centre; then one step, and one back to the surface.
-unsigned nearestOnCells(const CellRows& cells, const int16_t* which, int count, const KnownMinima& known,
-                        CellPlaces* places) {
-  float corners[8][kWidth], points[3][kWidth];
+void nearestOnCells(const CellRows& cells, const int16_t* which, int count, const KnownMinima& known,
+                    CellPlaces* places) {
+  float corners[8][kWidth], points[3][kWidth], flatness[kWidth];
   for (int lane = 0; lane < kWidth; ++lane) {
     const int cell = which[lane < count ? lane : 0];
     for (int i = 0; i < 8; ++i) corners[i][lane] = cells.samples[i][cell];
     for (int i = 0; i < 3; ++i) points[i][lane] = cells.point[i][cell];
+    flatness[lane] = cells.flatness[cell];
   }
   V s[8];
   V3 q, u, gradient, way;
@@ -90,8 +92,11 @@ unsigned nearestOnCells(const CellRows& cells, const int16_t* which, int count, 
   const V distance = root(plainDot(way, way)), least = distance - absolute(value) * perNorm - set(kCellError);
   store(places->distance, distance);
   store(places->least, least);
-  const V aligned = set(kAlignedCosine) * distance - plainDot(way, gradient) * perNorm;
-  unsigned minima = lessOrEqualMask(aligned, zero) & lessOrEqualMask(least, known.most);
+  // At a minimum the way is along the normal. A minimum on the border between cells may belong to either of them.
+  const V height = plainDot(way, gradient) * perNorm, across = distance * distance - height * height;
+  const V aside = set(kBesideCell) + set(2.0f) * load(flatness) * distance;
+  unsigned minima = lessOrEqualMask(across, aside * aside) & lessOrEqualMask(set(kAlignedCosine) * distance, height) &
+                    lessOrEqualMask(least, known.most);
   // Walls that meet in an edge are resolved at larger angles only: there the tangent planes' edge is farther away than
   // the places by distance (1 - cosine) / 4.
   const V cosine = maximum(one - one / maximum(distance * distance, one), set(kRepresentedCosine));
@@ -101,7 +106,9 @@ unsigned nearestOnCells(const CellRows& cells, const int16_t* which, int count, 
     minima &= lessOrEqualMask(along, cosine * distance) |
               ~lessOrEqualMask(set(known.distance[i]), distance + set(kCellError));
   }
-  return (minima | lessOrEqualMask(least, known.best)) & ((2u << (count - 1)) - 1u);
+  const unsigned used = (2u << (count - 1)) - 1u;
+  places->minima = minima & used;
+  places->nearest = lessOrEqualMask(least, known.best) & used;
 }
 
 // The tangent plane at the centre of a cell bounds the distance of the surface in it: the surface is within `flatness`
@@ -135,5 +142,6 @@ void boundCells(CellRows* cells, const float step[3]) {
     const V above = positive((absolute(height) - absolute(plainDot(gradient, ahead))) * perNorm - slack);
     const V least = maximum(root(above * above + aside), root(plainDot(q, q)) - set(kHalfDiagonal));
     store(cells->least + first, least);
+    store(cells->flatness + first, flatness);
   }
 }

@@ -136,7 +136,9 @@ struct CellRows {
   int32_t count;
   float point[3][kMost];    ///< place of the axis, relative to the first corner of the cell
   float samples[8][kMost];  ///< at the corners, x fastest
-  float least[kMost];       ///< lower bound of the distance of the surface in the cell: Loops::boundCells()
+  // Filled by Loops::boundCells().
+  float least[kMost];     ///< lower bound of the distance of the surface in the cell
+  float flatness[kMost];  ///< largest distance of the surface from a plane; normals turn by about four times as much
 };
 
 /// The places of the surface that are nearest to the points of 16 cells.
@@ -144,6 +146,8 @@ struct CellPlaces {
   float way[3][kWidth];    ///< from the place to the point
   float distance[kWidth];  ///< its length; off by a few thousandths of a cell, more where `least` is lower
   float least[kWidth];     ///< lower bound of the distance
+  unsigned minima;         ///< bits of those that may be a new minimum
+  unsigned nearest;        ///< bits of those that may be nearer than KnownMinima::best
 };
 
 inline constexpr float kCellError = 2e-3f;               ///< cells: twice the accuracy of approach() in solid_patch.inl
@@ -201,10 +205,9 @@ struct Loops {
   /// Bound the distances of cells of a solid whose axis may be nearest up to `step` ahead or back. The same bits at
   /// every SIMD level. Writes up to 15 rows after the last cell.
   void (*boundCells)(CellRows* cells, const float step[3]);
-  /// Find the nearest places in `count` cells, at most 16, and return the bits of those that may be a minimum or the
-  /// nearest. The same bits at every SIMD level.
-  unsigned (*nearestOnCells)(const CellRows& cells, const int16_t* which, int count, const KnownMinima& known,
-                             CellPlaces* places);
+  /// Find the nearest places in `count` cells, at most 16. The same bits at every SIMD level.
+  void (*nearestOnCells)(const CellRows& cells, const int16_t* which, int count, const KnownMinima& known,
+                         CellPlaces* places);
   /// Raise the samples of a brick, slices `first` to `last`, to the distance from the bur. `away`: offsets of the
   /// samples from the bur along each axis. Returns whether a sample changed. The same bits at every SIMD level.
   bool (*cutBrick)(float* samples, const float away[3][kBrickEdge], int first, int last, const BurAt& bur,

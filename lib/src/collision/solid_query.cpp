@@ -395,7 +395,8 @@ struct MinimaSearch : SolidQuery {
       found.best = static_cast<float>(best.distance);
       found.most = static_cast<float>(most);
       const std::int16_t* const which = order.cells.data() + first;
-      unsigned lanes = loops().nearestOnCells(cells, which, std::min(cells.count - first, kWidth), found, &places);
+      loops().nearestOnCells(cells, which, std::min(cells.count - first, kWidth), found, &places);
+      unsigned lanes = places.minima | places.nearest;
       while (lanes != 0) {
         int lane = __builtin_ctz(lanes);
         for (unsigned others = lanes & (lanes - 1); others != 0; others &= others - 1)
@@ -416,7 +417,7 @@ struct MinimaSearch : SolidQuery {
       if (place.distance <= reach &&
           (a - place.point).dot(place.gradient) > kAligned * place.distance * place.gradient.norm())
         add(exact(cell, place), found);
-    } else {
+    } else if ((places.minima >> lane & 1) != 0) {
       const Eigen::Vector3f way(places.way[0][lane], places.way[1][lane], places.way[2][lane]);
       add({cell, distance, way / std::max(distance, 1e-6f)}, found);
     }
