@@ -2,6 +2,7 @@
 // probe in a fissure. The session is recorded in a closed loop; then its measurements are replayed and each tick is
 // timed. The slowest ticks depend on the path of the tool, so they have rows of their own here.
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -18,6 +19,9 @@ namespace enamel::bench {
 namespace {
 
 constexpr double kPeriod = 1e-3;  // s
+
+constexpr double kDepth = 2.5e-3;  // m: where the person stops to press
+constexpr Grip kPress{2000.0, 3.0};
 
 // Where the person moves the tool across z and how the tool is turned; it is pressed down.
 struct Hand {
@@ -87,7 +91,8 @@ Measurement measure(const Setting& setting, double height, int ticks) {
     const auto hand = [&](double time, const Pose& pose, const Vec6& twist) {
       const Pose goal = setting.hand.follow(time);
       Vec6 wrench = guidingWrench(pose, twist, goal, Vec3::UnitZ());
-      wrench[2] -= setting.hand.force * std::min(10.0 * time, 1.0) + 3.0 * twist[2];
+      const double force = std::clamp(kPress.stiffness * (pose.position.z() + kDepth), 0.0, setting.hand.force);
+      wrench[2] -= force * std::min(10.0 * time, 1.0) + kPress.damping * twist[2];
       return wrench;
     };
     TickRecord record;
@@ -135,7 +140,7 @@ std::vector<Measurement> measureSession(double scale) {
                         .toRotationMatrix();
     return pose;
   };
-  const Bur still{0, 0.5, 0.0}, bur{0, 0.5, 2000.0};
+  const Bur still{0, 0.5, 0.0}, bur{0, 0.05, 2000.0};
   const Setting settings[] = {{"slide over a tooth", tooth, ball, still, {2.0, wander(3e-3, 2.5e-3)}},
                               {"slide over a solid", solid, ball, still, {2.0, wander(3e-3, 2.5e-3)}},
                               {"drill a cavity", solid, ball, bur, {2.0, wander(0.8e-3, 0.8e-3)}},
