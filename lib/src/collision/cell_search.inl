@@ -58,15 +58,19 @@ inline void stepInCells(V value, V3 gradient, V3 way, V3& u) {
   }
 }
 
+inline V3 axisOf(const CellRows& cells) { return {{set(cells.axis[0]), set(cells.axis[1]), set(cells.axis[2])}}; }
+
 // The first place is that of the tangent plane at the centre; then one step, and one back to the surface.
 void nearestOnCells(const CellRows& cells, const int16_t* which, int count, const KnownMinima& known,
                     CellPlaces* places) {
-  float corners[8][kWidth], points[3][kWidth], flatness[kWidth];
+  float corners[8][kWidth], points[3][kWidth], flatness[kWidth], back[kWidth], ahead[kWidth];
   for (int lane = 0; lane < kWidth; ++lane) {
     const int cell = which[lane < count ? lane : 0];
     for (int i = 0; i < 8; ++i) corners[i][lane] = cells.samples[i][cell];
     for (int i = 0; i < 3; ++i) points[i][lane] = cells.point[i][cell];
     flatness[lane] = cells.flatness[cell];
+    back[lane] = cells.back[cell];
+    ahead[lane] = cells.ahead[cell];
   }
   V s[8];
   V3 q, u, gradient, way;
@@ -89,7 +93,11 @@ void nearestOnCells(const CellRows& cells, const int16_t* which, int count, cons
     way[i] = q[i] - (u[i] - gradient[i] * share);
     store(places->way[i], way[i]);
   }
-  const V distance = root(plainDot(way, way)), least = distance - absolute(value) * perNorm - set(kCellError);
+  const V distance = root(plainDot(way, way));
+  // The distance is about convex along the axis, so its slope bounds it.
+  const V slope = plainDot(way, axisOf(cells)) / maximum(distance, set(1e-6f));
+  const V gain = maximum(slope * load(back), (zero - slope) * load(ahead));
+  const V least = distance - gain - absolute(value) * perNorm - set(kCellError);
   store(places->distance, distance);
   store(places->least, least);
   // At a minimum the way is along the normal. A minimum on the border between cells may belong to either of them.
@@ -114,8 +122,8 @@ void nearestOnCells(const CellRows& cells, const int16_t* which, int count, cons
 // The tangent plane at the centre of a cell bounds the distance of the surface in it: the surface is within `flatness`
 // of the plane, and in the cell. A smooth surface may be nearer by some hundredths of a cell: in a pit that fits the
 // bur, all places are about equally near.
-void boundCells(CellRows* cells, const float step[3]) {
-  const V3 ahead = {{set(step[0]), set(step[1]), set(step[2])}};
+void boundCells(CellRows* cells) {
+  const V3 axis = axisOf(*cells);
   const V zero = set(0.0f), half = set(0.5f);
   for (int first = 0; first < cells->count; first += kWidth) {
     V s[8];
@@ -131,15 +139,18 @@ void boundCells(CellRows* cells, const float step[3]) {
     const V xy = absolute(x10 - x00) + absolute(x11 - x01), xz = absolute(x01 - x00) + absolute(x11 - x10);
     const V twist = xy + xz + absolute(y1 - y0) + absolute((x11 - x01) - (x10 - x00));
     const V flatness = set(0.125f) * twist * perNorm;
-    const V rise = plainDot(gradient, ahead) * perSquared;  // of the axis to the plane
-    V aside = zero;                                         // from the plane's place nearest to q to the cell
+    const V back = load(cells->back + first), ahead = load(cells->ahead + first), furthest = maximum(back, ahead);
+    const V climb = plainDot(gradient, axis), rise = climb * perSquared;  // of the axis from the plane
+    V aside = zero;  // from the plane's place nearest to q to the cell
     for (int i = 0; i < 3; ++i) {
-      const V slide = absolute(ahead[i] - rise * gradient[i]);
+      const V slide = absolute(axis[i] - rise * gradient[i]) * furthest;
       const V outside = positive(absolute(q[i] - share * gradient[i]) - slide - half - flatness);
       aside = aside + outside * outside;
     }
     const V slack = selectGreater(set(kSmooth), flatness, set(0.1f) * flatness, flatness);
-    const V above = positive((absolute(height) - absolute(plainDot(gradient, ahead))) * perNorm - slack);
+    const V away = selectGreater(height, zero, climb, zero - climb);  // > 0: nearer to the plane if it goes back
+    const V gain = maximum(away * back, (zero - away) * ahead);
+    const V above = positive((absolute(height) - gain) * perNorm - slack);
     const V least = maximum(root(above * above + aside), root(plainDot(q, q)) - set(kHalfDiagonal));
     store(cells->least + first, least);
     store(cells->flatness + first, flatness);

@@ -134,7 +134,10 @@ struct SegmentAnswer {
 struct CellRows {
   static constexpr int kMost = 63 * kWidth;  ///< not a power of two: rows would share cache lines
   int32_t count;
+  float axis[3];            ///< unit vector; zero for a point
   float point[3][kMost];    ///< place of the axis, relative to the first corner of the cell
+  float back[kMost];        ///< the place nearest to the cell may be up to this length back along the axis
+  float ahead[kMost];       ///< or ahead
   float samples[8][kMost];  ///< at the corners, x fastest
   // Filled by Loops::boundCells().
   float least[kMost];     ///< lower bound of the distance of the surface in the cell
@@ -145,7 +148,7 @@ struct CellRows {
 struct CellPlaces {
   float way[3][kWidth];    ///< from the place to the point
   float distance[kWidth];  ///< its length; off by a few thousandths of a cell, more where `least` is lower
-  float least[kWidth];     ///< lower bound of the distance
+  float least[kWidth];     ///< lower bound of the distance from the axis
   unsigned minima;         ///< bits of those that may be a new minimum
   unsigned nearest;        ///< bits of those that may be nearer than KnownMinima::best
 };
@@ -202,9 +205,9 @@ struct Loops {
   /// Visit every triangle within `reach` that may hold a local minimum of the distance from the point: Leaf::front or
   /// back permits the direction.
   void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);
-  /// Bound the distances of cells of a solid whose axis may be nearest up to `step` ahead or back. The same bits at
-  /// every SIMD level. Writes up to 15 rows after the last cell.
-  void (*boundCells)(CellRows* cells, const float step[3]);
+  /// Bound the distances of cells of a solid. The same bits at every SIMD level. Writes up to 15 rows after the last
+  /// cell.
+  void (*boundCells)(CellRows* cells);
   /// Find the nearest places in `count` cells, at most 16. The same bits at every SIMD level.
   void (*nearestOnCells)(const CellRows& cells, const int16_t* which, int count, const KnownMinima& known,
                          CellPlaces* places);

@@ -26,10 +26,19 @@ inline std::uint32_t cellsBetween(double from, double to) {
 struct SeenCells : CellRows {
   std::array<std::uint32_t, kMost> cell;  // number of the brick, z, y, x
   std::array<float, kMost> parameter;     // of the place
+  float length;                           // of the axis
+
+  explicit SeenCells(const Vec3& span) : length(static_cast<float>(span.norm())) {
+    count = 0;
+    const Vec3 unit = length > 0.0f ? Vec3(span.normalized()) : span;
+    for (int i = 0; i < 3; ++i) axis[i] = static_cast<float>(unit[i]);
+  }
 
   void add(std::uint32_t number, const float* s, const Eigen::Vector3f& toCentre, float t) {
     cell[count] = number;
     parameter[count] = t;
+    back[count] = std::min(static_cast<float>(kHalfCell), t * length);
+    ahead[count] = std::min(static_cast<float>(kHalfCell), (1.0f - t) * length);
     for (int i = 0; i < 3; ++i) point[i][count] = toCentre[i] + 0.5f;
     for (int i = 0; i < 8; ++i) samples[i][count] = s[kCorners[i]];
     ++count;

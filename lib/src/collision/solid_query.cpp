@@ -24,6 +24,15 @@ constexpr double kRounded = 1.0 + 1e-6;  // larger than the error of a distance 
 constexpr std::uint32_t kSlice = kBrickCells * kBrickCells;
 constexpr double kResolved = 0.25;  // times h^2 / R: the error of the interpolation
 
+// Remove the lane with the least estimate, and return it.
+int takeNearest(const CellPlaces& places, unsigned& lanes) {
+  int lane = __builtin_ctz(lanes);
+  for (unsigned others = lanes & (lanes - 1); others != 0; others &= others - 1)
+    if (places.distance[__builtin_ctz(others)] < places.distance[lane]) lane = __builtin_ctz(others);
+  lanes &= ~(1u << lane);
+  return lane;
+}
+
 struct Nearest {
   double distance;
   double parameter = 0.0;
@@ -135,18 +144,17 @@ struct SolidQuery {
   // Pass on the cells that may have a place within `reach()` of the axis, with bounds, as many as fit at a time.
   template <typename Reach, typename Visit>
   void forEachSeen(const Reach& reach, const Visit& visit) const {
-    SeenCells cells;
-    const Eigen::Vector3f step = (kHalfCell * perSpan * span).cast<float>();
+    SeenCells cells(span);
     const auto hand = [&] {
       for (int i = cells.count; i % kWidth != 0; ++i) {  // lanes without a cell
         for (auto& row : cells.point) row[i] = 0.0f;
         for (auto& row : cells.samples) row[i] = 0.0f;
+        cells.back[i] = cells.ahead[i] = 0.0f;
       }
-      loops().boundCells(&cells, step.data());
+      loops().boundCells(&cells);
       visit(std::as_const(cells));
       cells.count = 0;
     };
-    cells.count = 0;
     forEachBrick(reach, [&](std::int32_t number, double) {
       forEachCell(number, reach, [&](auto... cell) {
         if (cells.count == CellRows::kMost) hand();
@@ -222,10 +230,17 @@ struct NearestSearch : SolidQuery {
     forEachSeen([&] { return best.distance; },
                 [&](const SeenCells& cells) {
                   const Order order(cells, best.distance);
-                  for (int i = 0; i < cells.count; ++i) {
-                    const int cell = order.cells[i];
-                    if (static_cast<double>(cells.least[cell]) < best.distance)
-                      search(cells.cell[cell], static_cast<double>(cells.parameter[cell]), best);
+                  CellPlaces places;
+                  for (int first = 0; first < cells.count && order.least(first) < best.distance; first += kWidth) {
+                    KnownMinima none;
+                    none.best = static_cast<float>(best.distance);
+                    const std::int16_t* const which = order.cells.data() + first;
+                    loops().nearestOnCells(cells, which, std::min(cells.count - first, kWidth), none, &places);
+                    for (unsigned lanes = places.nearest; lanes != 0;) {
+                      const int lane = takeNearest(places, lanes), cell = which[lane];
+                      if (static_cast<double>(places.least[lane]) < best.distance)
+                        search(cells.cell[cell], static_cast<double>(cells.parameter[cell]), best);
+                    }
                   }
                 });
   }
@@ -398,10 +413,7 @@ struct MinimaSearch : SolidQuery {
       loops().nearestOnCells(cells, which, std::min(cells.count - first, kWidth), found, &places);
       unsigned lanes = places.minima | places.nearest;
       while (lanes != 0) {
-        int lane = __builtin_ctz(lanes);
-        for (unsigned others = lanes & (lanes - 1); others != 0; others &= others - 1)
-          if (places.distance[__builtin_ctz(others)] < places.distance[lane]) lane = __builtin_ctz(others);
-        lanes &= ~(1u << lane);
+        const int lane = takeNearest(places, lanes);
         lookAt(cells.cell[which[lane]], places, lane, reach, best, found);
       }
     }
