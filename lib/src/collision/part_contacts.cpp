@@ -227,7 +227,7 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   PartOnMesh(mesh, axis, radius, cache, out).addContacts();
 }
 
-// The minima at a place, of which the first ones are those within a shorter reach. Parts often share an end.
+// The minima at a place; the first ones are those within a shorter reach. Parts often share an end.
 const SolidMinima& minimaAt(const Solid& solid, const Vec3& p, double reach, SolidEnd& end) {
   if (!(end.point == p && reach <= end.reach)) {
     findMinima(solid, p, reach, end.minima);
