@@ -18,7 +18,7 @@
 namespace enamel::bench {
 namespace {
 
-constexpr double kPeriod = 1e-3;  // s
+constexpr double kSessionPeriod = 1e-3;  // s
 
 constexpr double kDepth = 2.5e-3;  // m: where the person stops to press
 constexpr Grip kPress{2000.0, 3.0};
@@ -74,7 +74,7 @@ struct Run {
 
 Measurement measure(const Setting& setting, double height, int ticks) {
   const TauMechanism mechanism(nominalDevice());
-  PositionControlRenderer control(positionControlFor(mechanism, kPeriod, 1, 1));
+  PositionControlRenderer control(positionControlFor(mechanism, kSessionPeriod, 1, 1));
   Run first(setting, height);
   LoopSetup setup;
   setup.scene = first.scene;
@@ -102,8 +102,8 @@ Measurement measure(const Setting& setting, double height, int ticks) {
   }
 
   Run again(setting, height);
-  PositionControlRenderer other(positionControlFor(mechanism, kPeriod, 1, 1));
-  HapticTick tick(mechanism, again.scene, setting.tool, other, kPeriod, setup.start);
+  PositionControlRenderer other(positionControlFor(mechanism, kSessionPeriod, 1, 1));
+  HapticTick tick(mechanism, again.scene, setting.tool, other, kSessionPeriod, setup.start);
   tick.attach(again.drill.get());
   std::vector<double> times_us;
   for (std::size_t i = 0; i < measured.size(); ++i) {
