@@ -230,6 +230,10 @@ struct NearestSearch : SolidQuery {
     forEachSeen([&] { return best.distance; },
                 [&](const SeenCells& cells) {
                   const Order order(cells, best.distance);
+                  for (int i = 0; perLength == 0.0 && i < cells.count && order.least(i) < best.distance; ++i)
+                    if (const int cell = order.cells[i]; static_cast<double>(cells.least[cell]) < best.distance)
+                      search(cells.cell[cell], 0.0, best);
+                  if (perLength == 0.0) return;  // the bounds of a point are close enough without estimates
                   CellPlaces places;
                   for (int first = 0; first < cells.count && order.least(first) < best.distance; first += kWidth) {
                     KnownMinima none;
