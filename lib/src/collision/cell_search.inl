@@ -94,9 +94,11 @@ void nearestOnCells(const CellRows& cells, const int16_t* which, int count, cons
     store(places->way[i], way[i]);
   }
   const V distance = root(plainDot(way, way));
-  // The distance is about convex along the axis, so its slope bounds it.
+  // The distance is convex along the axis where the surface is flat, so its slope bounds it. Where the surface curves
+  // towards the axis, normals turn by four times the flatness across a cell.
   const V slope = plainDot(way, axisOf(cells)) / maximum(distance, set(1e-6f));
-  const V gain = maximum(slope * load(back), (zero - slope) * load(ahead));
+  const V furthest = maximum(load(back), load(ahead)), bend = set(2.0f) * load(flatness) * furthest * furthest;
+  const V gain = maximum(slope * load(back), (zero - slope) * load(ahead)) + bend;
   const V least = distance - gain - absolute(value) * perNorm - set(kCellError);
   store(places->distance, distance);
   store(places->least, least);
