@@ -42,7 +42,7 @@ std::string pageOf(const std::vector<bench::Measurement>& rows) {
       "# What Enamel costs: speed against error\n\n{}, {} threads, loops for {}; enamel {}.\n\nTimes of one call, us. "
       "*faster*: the speed relative to the conventional method, or to the reference of the same row, in the same run. "
       "On a shared machine, times change from minute to minute: compare the ratios. p99 is over batches of calls; for "
-      "collision, scene and solid it is over single calls.\n",
+      "collision, scene, session and solid it is over single calls.\n",
       processor(), std::thread::hardware_concurrency(), kLevels[static_cast<int>(simdLevel())], buildText());
   std::string group;
   for (const auto& row : rows) {
@@ -69,7 +69,8 @@ void run(const BenchOptions& options) {
                cell(row.reference_us / row.median_us, "{:.1f}"), row.error, row.errorOf);
   fmt::print(
       "* speed relative to the conventional method, measured in the same run. Times are noisy on a shared machine:\n  "
-      "compare the ratios. p99 is over batches of calls; for collision, scene and solid it is over single calls.\n");
+      "compare the ratios. p99 is over batches of calls; for collision, scene, session and solid it is over single "
+      "calls.\n");
 }
 
 }  // namespace
@@ -80,7 +81,7 @@ void addBench(CLI::App& app) {
       app.add_subcommand("bench", "Measures speed against error: one row a measurement, times in microseconds");
   command->add_option("--filter", options->filter,
                       "measures only rows whose name contains this text; if the text begins with a group (device, "
-                      "control, tick, collision, scene, solid, plant), only rows of that group");
+                      "control, tick, collision, scene, session, solid, plant), only rows of that group");
   command->add_option("--report", options->report,
                       "file for the table as a page in Markdown, which also names the machine");
   command->add_option("--scale", options->scale, "factor of the number of batches")

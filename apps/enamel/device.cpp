@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -65,6 +66,28 @@ void print(const PeriodicTiming& timing) {
       timing.realtime.load() ? "real-time" : "normal: the system refused the real-time class" + std::string(kHow));
   print("wake-up error", timing.wakeUp);
   print("compute time of a period", timing.compute);
+}
+
+std::string firstLineOf(const char* file) {
+  std::string line;
+  std::ifstream input(file);
+  std::getline(input, line);
+  return line;
+}
+
+// Print the settings of Linux that are missing, as the page names them.
+void printMissingSettings() {
+  constexpr const char* kIsolated = "/sys/devices/system/cpu/isolated";
+  if (!std::ifstream(kIsolated)) return;
+  std::string missing;
+  const auto require = [&](bool isThere, const char* setting) {
+    if (!isThere) missing += (missing.empty() ? "" : "; ") + std::string(setting);
+  };
+  const std::string governor = firstLineOf("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+  require(!firstLineOf(kIsolated).empty(), "a core without other work");
+  require(governor.empty() || governor == "performance", "full clock rate");
+  require(firstLineOf("/sys/kernel/realtime") == "1", "bounded waits in the kernel");
+  if (!missing.empty()) fmt::print("settings that are missing: {}{}\n", missing, kHow);
 }
 
 void print(const LinkCounts& counts, const char* trip) {
@@ -236,6 +259,7 @@ void connect(const DeviceOptions& options) {
   const Delay delay = session.opened().delay;
   fmt::print("{} at {}: {}, delay {} ticks, memory {}\n", session.mechanism().name(), options.connect, options.renderer,
              toText(delay), loop.memoryLocked() ? "locked" : "not locked: the system refused" + std::string(kHow));
+  printMissingSettings();
   std::fflush(stdout);
   watch(session, options.connect, options.duration == 0.0 ? 10.0 : options.duration);
   const GuardReason fault = session.snapshot().fault;

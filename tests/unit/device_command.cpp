@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "support/catch.hpp"
 #include "support/command.hpp"
@@ -117,6 +118,13 @@ TEST_CASE("a virtual device runs in one process, and the forms of URLs are liste
   CHECK(numberAfter(result.output, "ticks in contact ") > 0);
   CHECK(numberAfter(result.output, record + ", ") > 0);
   CHECK_THAT(test::readFile(learnt), ContainsSubstring("masses: ") && ContainsSubstring("name = "));
+  std::ifstream isolated("/sys/devices/system/cpu/isolated"), kernel("/sys/kernel/realtime");
+  std::string cores, realtime;
+  std::getline(isolated, cores);
+  std::getline(kernel, realtime);
+  const auto says = [&](const char* setting) { return result.output.find(setting) != std::string::npos; };
+  CHECK(says("a core without other work") == cores.empty());
+  CHECK(says("bounded waits in the kernel") == (realtime != "1"));
   CHECK_THAT(run("devices").output, ContainsSubstring("virtual:FILE") && ContainsSubstring("udp://HOST:PORT"));
 }
 

@@ -7,6 +7,9 @@
 #include <cstdio>
 #include <numeric>
 
+#include "collision/mesh_data.hpp"
+#include "collision/solid_patch.inl"
+#include "collision/solid_query.hpp"
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/mesh_file.hpp"
 #include "enamel/core/error.hpp"
@@ -215,6 +218,107 @@ TEST_CASE("solid: a bur fits into what it has cut", "[solid]") {
     REQUIRE(findContacts(scene, bur, pose, 1e-3, nullptr, contacts) == Status::ok);
     CHECK(contacts.contacts[0].gap == Approx(-0.05e-3).margin(6e-6));
     CHECK(contacts.contacts[0].normal.z() > 0.98);
+  }
+}
+
+namespace {
+
+// The nearest place of each cell with surface within `reach` of p, found one by one. Lengths are in cells.
+struct CellPlace {
+  double distance;
+  Vec3 direction;  // to p
+  bool isMinimum;  // along the normal
+};
+std::vector<CellPlace> placesOf(const Solid& solid, const Vec3& p, double reach) {
+  std::vector<CellPlace> places;
+  for (int brick = 0; brick < solid.bricks(); ++brick) {
+    const Vec3 inBrick = (p - solid.lowOf(brick)) / solid.cell();
+    if ((inBrick - inBrick.cwiseMax(0.0).cwiseMin(kBrickCells)).norm() > reach) continue;
+    const BrickSamples& samples = solid.samples(brick);
+    const std::array<std::uint64_t, kBrickCells> surface = kernel::surfaceCells(samples);
+    for (int z = 0; z < kBrickCells; ++z)
+      for (int y = 0; y < kBrickCells; ++y)
+        for (int x = 0; x < kBrickCells; ++x) {
+          kernel::Touch touch;
+          const Vec3 q = inBrick - Vec3(x, y, z);
+          if ((surface[z] >> (kBrickCells * y + x) & 1) == 0 ||
+              !kernel::nearestOn(kernel::Patch(samples.data() + z * kernel::kUp + y * kernel::kBack + x), q, touch))
+            continue;
+          const Vec3 way = q - touch.point;
+          places.push_back({way.norm(), way.normalized(),
+                            way.cross(touch.gradient.normalized()).norm() < 0.2 && way.dot(touch.gradient) > 0.0});
+        }
+  }
+  return places;
+}
+
+}  // namespace
+
+// A ball of 5 cells is pushed into the block and cuts it, in steps of 0.3 cells or less.
+TEST_CASE("solid: the minima in a freshly cut pit against all cells, one by one", "[solid]") {
+  test::Random random(2204);
+  const double radius = 0.5e-3, reach = radius + 2e-4;
+  const SimdLevel best = simdLevel();
+  int uncovered = 0, minima = 0;
+  for (int pit = 0; pit < test::count(3, 30); ++pit) {
+    Solid solid = block(Vec3(3e-3, 2e-3, 1.5e-3));
+    Vec3 at(random.uniform(-2e-3, 2e-3), random.uniform(-1e-3, 1e-3), 1.9e-3);
+    Vec3 way = (Vec3(0.0, 0.0, -1.0) + 0.5 * random.direction()).normalized();
+    for (int tick = 0; tick < 30; ++tick) {
+      const Vec3 next = at + random.uniform(0.1e-6, 30e-6) * way;
+      way = (way + 0.1 * random.direction()).normalized();
+      (void)solid.cut({at, at}, {next, next}, radius);
+      at = next;
+      const Vec3 p = at + random.uniform(0.0, 20e-6) * random.direction();
+      if (isInside(solid, p)) continue;
+      kernel::SolidMinima found, other;
+      for (const SimdLevel level : {SimdLevel::baseline, SimdLevel::avx2, SimdLevel::avx512}) {
+        if (useSimdLevel(level) != level) continue;
+        kernel::findMinima(solid, p, reach, other);
+        if (level == SimdLevel::baseline) found = other;
+        REQUIRE(other.count == found.count);
+        for (int i = 0; i < found.count; ++i) {
+          CHECK(other.all[i].distance == found.all[i].distance);
+          CHECK(other.all[i].point == found.all[i].point);
+          CHECK(other.all[i].normal == found.all[i].normal);
+        }
+      }
+      useSimdLevel(best);
+      const std::vector<CellPlace> places = placesOf(solid, p, reach / kCell);
+      double nearest = reach / kCell;
+      for (const CellPlace& place : places) nearest = std::min(nearest, place.distance);
+      REQUIRE(found.count > 0);
+      // A place in a cell is found to a thousandth of a cell.
+      CHECK(found.all[0].distance / kCell == Approx(nearest).margin(2e-3));
+      // Each minimum is one of those found, or within 30 deg of one that is not farther.
+      for (const CellPlace& place : places) {
+        if (!place.isMinimum || place.distance > reach / kCell) continue;
+        if (found.count == kernel::kMaxSolidMinima &&
+            place.distance > found.all[found.count - 1].distance / kCell - 5e-3)
+          continue;
+        ++minima;
+        const bool isCovered = std::any_of(found.all.begin(), found.all.begin() + found.count, [&](const auto& one) {
+          return (p - one.point).normalized().dot(place.direction) > std::cos(31.0 / 180.0 * M_PI) &&
+                 one.distance / kCell < place.distance + 5e-3;
+        });
+        uncovered += !isCovered;
+      }
+    }
+  }
+  CHECK(minima > 1000);
+  CHECK(uncovered < minima / 50);  // a minimum between them was replaced by a nearer one
+}
+
+TEST_CASE("solid: outside of a ball the distance has one minimum, at every distance", "[solid]") {
+  const Solid solid(MeshModel(test::transformed(test::ball(5), 3e-3, Vec3::Zero())), kTooth, {kCell});
+  test::Random random(2205);
+  for (int i = 0; i < test::count(2000, 50000); ++i) {
+    const double distance = kCell * random.uniform(0.05, 6.0);
+    const Vec3 p = (3e-3 + distance) * random.direction();
+    kernel::SolidMinima minima;
+    kernel::findMinima(solid, p, 7.0 * kCell, minima);
+    REQUIRE(minima.count == 1);
+    CHECK(minima.all[0].distance == Approx(distance).margin(0.05 * kCell));  // as above
   }
 }
 

@@ -91,8 +91,8 @@ Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run)
 std::vector<Measurement> measureAll(const std::string& filter, double scale) {
   const std::pair<std::string, std::vector<Measurement> (*)(double)> groups[] = {
       {"device", &measureDevice},       {"control", &measureControl}, {"tick", &measureTick},
-      {"collision", &measureCollision}, {"scene", &measureScene},     {"solid", &measureSolid},
-      {"plant", &measurePlant}};
+      {"collision", &measureCollision}, {"scene", &measureScene},     {"session", &measureSession},
+      {"solid", &measureSolid},         {"plant", &measurePlant}};
   // A filter that begins with the name of a group runs only that group. Any other filter runs all groups; rows are
   // filtered afterwards in both cases.
   const std::string first = filter.substr(0, filter.find(' '));

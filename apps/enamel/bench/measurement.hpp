@@ -94,6 +94,7 @@ std::vector<Measurement> measureControl(double scale);
 std::vector<Measurement> measureTick(double scale);
 std::vector<Measurement> measureCollision(double scale);
 std::vector<Measurement> measureScene(double scale);
+std::vector<Measurement> measureSession(double scale);
 std::vector<Measurement> measureSolid(double scale);
 std::vector<Measurement> measurePlant(double scale);
 

@@ -13,7 +13,9 @@
 
 namespace enamel::kernel {
 
-inline constexpr int kWidth = 16;       ///< children of a node, triangles of a leaf
+inline constexpr int kWidth = 16;     ///< children of a node, triangles of a leaf
+inline constexpr int kBrickEdge = 9;  ///< samples of a solid's brick
+inline constexpr int kBrickVolume = kBrickEdge * kBrickEdge * kBrickEdge;
 inline constexpr int kMaxDepth = 48;    ///< levels; the builder makes at most 37: 14, and 23 that halve 2^23 leaves
 inline constexpr int kStackSize = 768;  ///< entries; a level of the tree needs at most kWidth - 1
 inline constexpr int kFrameRows = 20;   ///< of a leaf
@@ -128,8 +130,64 @@ struct SegmentAnswer {
   int32_t slot;  ///< -1 if nothing is found
 };
 
+/// Cells of a solid around an axis, by component, so that 16 are computed at once. Lengths are in cells.
+struct CellRows {
+  static constexpr int kMost = 63 * kWidth;  ///< not a power of two: rows would share cache lines
+  int32_t count;
+  float axis[3];            ///< unit vector; zero for a point
+  float point[3][kMost];    ///< place of the axis, relative to the first corner of the cell
+  float back[kMost];        ///< the place nearest to the cell may be up to this length back along the axis
+  float ahead[kMost];       ///< or ahead
+  float samples[8][kMost];  ///< at the corners, x fastest
+  // Filled by Loops::boundCells().
+  float least[kMost];     ///< lower bound of the distance of the surface in the cell
+  float flatness[kMost];  ///< largest distance of the surface from a plane; normals turn by about four times as much
+};
+
+/// The places of the surface that are nearest to the points of 16 cells.
+struct CellPlaces {
+  float way[3][kWidth];    ///< from the place to the point
+  float distance[kWidth];  ///< its length; off by a few thousandths of a cell, more where `least` is lower
+  float least[kWidth];     ///< lower bound of the distance from the axis
+  unsigned minima;         ///< bits of those that may be a new minimum
+  unsigned nearest;        ///< bits of those that may be nearer than KnownMinima::best
+};
+
+inline constexpr float kCellError = 2e-3f;               ///< cells: twice the accuracy of approach() in solid_patch.inl
+inline constexpr float kRepresentedCosine = 0.8660254f;  ///< of 30 deg: a minimum represents directions within it
+
+/// Minima of the distance from a point that were found before.
+struct KnownMinima {
+  static constexpr int kMost = 8;
+  int32_t count = 0;
+  float distance[kMost]{}, direction[3][kMost]{};  ///< unit vectors to the point
+  float best = 0.0f;                               ///< least distance of all places
+  float most = 0.0f;                               ///< larger distances do not matter
+};
+
+/// A bur at one place in the grid of a solid. Lengths are in cells. Squared distances at the ends of the band around
+/// its surface are inner^2 and most.
+struct BurAt {
+  float span[3];    ///< of the axis
+  float perLength;  ///< 1 / |span|^2; 0 for a ball
+  float reach;      ///< of the surface
+  float inner, most;
+  float band;  ///< larger distances are stored as this value
+};
+
+/// Samples of a brick that a bur changed.
+struct CutSamples {
+  int32_t count;
+  int32_t index[kBrickVolume + kWidth];
+  float taken[kBrickVolume + kWidth];  ///< lost share of the cell around the sample, above 0
+  bool isTurned;                       ///< a sample is outside now
+};
+
 /// Called for every triangle that may be within reach. Returns the new reach; visitMinima may keep the first one.
 using Visit = double (*)(void* context, int32_t slot, double reach);
+
+/// Called before the first sample of a brick changes.
+using BeforeCut = void (*)(void* context);
 
 struct Loops {
   /// Find the nearest triangle within sqrt(limitSquared); of equally near ones, that with the smallest index.
@@ -147,6 +205,16 @@ struct Loops {
   /// Visit every triangle within `reach` that may hold a local minimum of the distance from the point: Leaf::front or
   /// back permits the direction.
   void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);
+  /// Bound the distances of cells of a solid. The same bits at every SIMD level. Writes up to 15 rows after the last
+  /// cell.
+  void (*boundCells)(CellRows* cells);
+  /// Find the nearest places in `count` cells, at most 16. The same bits at every SIMD level.
+  void (*nearestOnCells)(const CellRows& cells, const int16_t* which, int count, const KnownMinima& known,
+                         CellPlaces* places);
+  /// Raise the samples of a brick, slices `first` to `last`, to the distance from the bur. `away`: offsets of the
+  /// samples from the bur along each axis. Returns whether a sample changed. The same bits at every SIMD level.
+  bool (*cutBrick)(float* samples, const float away[3][kBrickEdge], int first, int last, const BurAt& bur,
+                   BeforeCut before, void* context, CutSamples* cut);
 };
 
 extern const Loops kBaselineLoops;

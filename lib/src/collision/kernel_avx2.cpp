@@ -51,6 +51,7 @@ inline void compressNumbers(int32_t first, const Chosen& lanes, int32_t* p) {
 
 }  // namespace
 
-const Loops kAvx2Loops = {&closest, &visit, &visitSegment, &closestToSegment, &visitMinima};
+const Loops kAvx2Loops = {&closest,     &visit,      &visitSegment,   &closestToSegment,
+                          &visitMinima, &boundCells, &nearestOnCells, &cutBrick};
 
 }  // namespace enamel::kernel

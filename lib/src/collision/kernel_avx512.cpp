@@ -43,6 +43,7 @@ inline void compressNumbers(int32_t first, Chosen lanes, int32_t* p) {
 
 }  // namespace
 
-const Loops kAvx512Loops = {&closest, &visit, &visitSegment, &closestToSegment, &visitMinima};
+const Loops kAvx512Loops = {&closest,     &visit,      &visitSegment,   &closestToSegment,
+                            &visitMinima, &boundCells, &nearestOnCells, &cutBrick};
 
 }  // namespace enamel::kernel

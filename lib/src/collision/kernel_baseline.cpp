@@ -1,72 +1,81 @@
-// The query loops for any machine: plain arrays that the compiler may vectorise.
+// The query loops for any machine.
 #include "kernel.hpp"
 
 namespace enamel::kernel {
 namespace {
 
+// Four floats: what compilers map to one register on most machines.
+using Quad = float __attribute__((vector_size(16)));
+using QuadMask = int32_t __attribute__((vector_size(16)));
+constexpr int kQuads = kWidth / 4;
+
 struct V {
-  float v[kWidth];
+  Quad q[kQuads];
 };
 
 template <typename Function>
 inline V each(const Function& f) {
   V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = f(i);
+  for (int i = 0; i < kQuads; ++i) r.q[i] = f(i);
   return r;
 }
 inline V load(const float* p) {
-  return each([&](int i) { return p[i]; });
+  V r;
+  __builtin_memcpy(&r, p, sizeof(r));
+  return r;
 }
-inline void store(float* p, const V& x) {
-  for (int i = 0; i < kWidth; ++i) p[i] = x.v[i];
-}
+inline void store(float* p, const V& x) { __builtin_memcpy(p, &x, sizeof(x)); }
 inline V set(float x) {
-  return each([&](int) { return x; });
+  return each([&](int) { return Quad{x, x, x, x}; });
 }
 inline V operator+(const V& x, const V& y) {
-  return each([&](int i) { return x.v[i] + y.v[i]; });
+  return each([&](int i) { return x.q[i] + y.q[i]; });
 }
 inline V operator-(const V& x, const V& y) {
-  return each([&](int i) { return x.v[i] - y.v[i]; });
+  return each([&](int i) { return x.q[i] - y.q[i]; });
 }
 inline V operator*(const V& x, const V& y) {
-  return each([&](int i) { return x.v[i] * y.v[i]; });
+  return each([&](int i) { return x.q[i] * y.q[i]; });
 }
 inline V operator/(const V& x, const V& y) {
-  return each([&](int i) { return x.v[i] / y.v[i]; });
+  return each([&](int i) { return x.q[i] / y.q[i]; });
 }
 inline V mad(const V& x, const V& y, const V& z) {
-  return each([&](int i) { return x.v[i] * y.v[i] + z.v[i]; });
+  return each([&](int i) { return x.q[i] * y.q[i] + z.q[i]; });
 }
 inline V root(const V& x) {
-  return each([&](int i) { return __builtin_sqrtf(x.v[i]); });
+  return each([&](int i) {
+    Quad r;
+    for (int k = 0; k < 4; ++k) r[k] = __builtin_sqrtf(x.q[i][k]);
+    return r;
+  });
 }
-inline V inverseRoot(const V& x) {
-  return each([&](int i) { return 1.0f / __builtin_sqrtf(x.v[i]); });
-}
+inline V inverseRoot(const V& x) { return set(1.0f) / root(x); }
 inline V maximum(const V& x, const V& y) {
-  return each([&](int i) { return x.v[i] > y.v[i] ? x.v[i] : y.v[i]; });
+  return each([&](int i) { return x.q[i] > y.q[i] ? x.q[i] : y.q[i]; });
 }
 inline V minimum(const V& x, const V& y) {
-  return each([&](int i) { return x.v[i] < y.v[i] ? x.v[i] : y.v[i]; });
+  return each([&](int i) { return x.q[i] < y.q[i] ? x.q[i] : y.q[i]; });
 }
 inline V selectGreater(const V& x, const V& y, const V& a, const V& b) {
-  return each([&](int i) { return x.v[i] > y.v[i] ? a.v[i] : b.v[i]; });
+  return each([&](int i) { return x.q[i] > y.q[i] ? a.q[i] : b.q[i]; });
 }
 inline float smallest(const V& a) {
-  float least = a.v[0];
-  for (int i = 1; i < kWidth; ++i) least = a.v[i] < least ? a.v[i] : least;
+  float lanes[kWidth];
+  store(lanes, a);
+  float least = lanes[0];
+  for (int i = 1; i < kWidth; ++i) least = lanes[i] < least ? lanes[i] : least;
   return least;
 }
 inline unsigned lessOrEqualMask(const V& a, const V& b) {
-  unsigned mask = 0;
-  for (int i = 0; i < kWidth; ++i) mask |= static_cast<unsigned>(a.v[i] <= b.v[i]) << i;
-  return mask;
+  QuadMask bits = {0, 0, 0, 0};
+  for (int i = 0; i < kQuads; ++i) bits |= (a.q[i] <= b.q[i]) & (QuadMask{1, 2, 4, 8} << (4 * i));
+  return static_cast<unsigned>(bits[0] | bits[1] | bits[2] | bits[3]);
 }
 using Chosen = unsigned;
 inline Chosen choose(unsigned mask) { return mask; }
 inline void compress(const V& a, Chosen mask, float* p) {
-  for (; mask != 0; mask &= mask - 1) *p++ = a.v[__builtin_ctz(mask)];
+  for (; mask != 0; mask &= mask - 1) *p++ = a.q[__builtin_ctz(mask) / 4][__builtin_ctz(mask) % 4];
 }
 inline void compress(const int32_t* x, Chosen mask, int32_t* p) {
   for (; mask != 0; mask &= mask - 1) *p++ = x[__builtin_ctz(mask)];
@@ -107,6 +116,7 @@ inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, Segme
 
 }  // namespace
 
-const Loops kBaselineLoops = {&closest, &visit, &visitSegment, &closestToSegment, &visitMinima};
+const Loops kBaselineLoops = {&closest,     &visit,      &visitSegment,   &closestToSegment,
+                              &visitMinima, &boundCells, &nearestOnCells, &cutBrick};
 
 }  // namespace enamel::kernel

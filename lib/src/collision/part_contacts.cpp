@@ -4,8 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "solid_query.hpp"
-
 namespace enamel::kernel {
 namespace {
 
@@ -229,17 +227,28 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   PartOnMesh(mesh, axis, radius, cache, out).addContacts();
 }
 
+// The minima at a place; the first ones are those within a shorter reach. Parts often share an end.
+const SolidMinima& minimaAt(const Solid& solid, const Vec3& p, double reach, SolidEnd& end) {
+  if (!(end.point == p && reach <= end.reach)) {
+    findMinima(solid, p, reach, end.minima);
+    end.point = p;
+    end.reach = reach;
+  }
+  return end.minima;
+}
+
 // A place between the ends counts only if it is nearer than both, as for a mesh. The search along the axis spares those
 // at ends that it shows to be too far away, or finds itself.
 void addPart(const Solid& solid, const Segment& axis, double radius, PartCache*, Collector& out) {
   const double reach = out.reachOf(radius);
   SolidPoint between;
   const auto addSphere = [&](const Vec3& p, bool isBehind, double parameter) {
-    SolidMinima minima;
-    if (!isBehind && !(between.found && between.distance > radius + kSolidNear))
-      findMinima(solid, p, std::min(reach, radius + kSolidNear), minima);
-    for (int i = 0; i < minima.count; ++i) out.add(p, minima.all[i], radius);
-    if (minima.count > 0) return minima.all[0].distance;
+    if (!isBehind && !(between.found && between.distance > radius + kSolidNear)) {
+      const double near = std::min(reach, radius + kSolidNear);
+      const SolidMinima& minima = minimaAt(solid, p, near, *out.solid);
+      for (int i = 0; i < minima.count && minima.all[i].distance <= near; ++i) out.add(p, minima.all[i], radius);
+      if (minima.count > 0 && minima.all[0].distance <= near) return minima.all[0].distance;
+    }
     const bool isKnown = between.found && between.parameter == parameter;
     const SolidPoint nearest = isKnown ? between : signedDistance(solid, p, isBehind ? kNoLimit : reach);
     if (nearest.found) out.add(p, nearest, radius);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "minima.hpp"
+#include "solid_query.hpp"
 #include "tool_parts.hpp"
 
 namespace enamel::kernel {
@@ -20,13 +21,21 @@ struct End {
   bool isAhead() const { return nearest.distance > 0.0; }
 };
 
+/// The last place on an axis whose minima a solid was searched for.
+struct SolidEnd {
+  Vec3 point = Vec3::Zero();
+  double reach = -1.0;  ///< search limit
+  SolidMinima minima;
+};
+
 /// Collects the contacts of one tick, deepest first.
 struct Collector {
   ContactSnapshot* contacts;
   double margin;
   Pair pair;
-  End* last;                                         ///< of the previous part
-  End* next;                                         ///< becomes `last`
+  End* last;  ///< of the previous part
+  End* next;  ///< becomes `last`
+  SolidEnd* solid;
   double nextRadius;                                 ///< of the part that begins where this one ends, or 0
   bool isOutside = false;                            ///< the axis is known to be outside
   double pad = 0.0;                                  ///< of a sheet: half its thickness, added to all radii
@@ -56,6 +65,7 @@ Status forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, doubl
   if (const Status status = checkTool(tool); status != Status::ok) return status;
   const std::vector<Obstacle>& obstacles = scene.obstacles();
   End ends[2];
+  SolidEnd solid;
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     if (!obstacles[i].active) continue;
     if (!isFinite(obstacles[i].pose)) {
@@ -64,7 +74,8 @@ Status forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, doubl
     }
     ends[0].limit = -1.0;
     ends[0].nearest = SurfacePoint();
-    Collector out{&contacts, margin, {&obstacles[i], static_cast<int>(i), 0}, &ends[0], &ends[1], 0.0};
+    solid.reach = -1.0;
+    Collector out{&contacts, margin, {&obstacles[i], static_cast<int>(i), 0}, &ends[0], &ends[1], &solid, 0.0};
     out.pad = 0.5 * obstacles[i].thickness;
     out.isOutside = out.pad > 0.0;
     for (int k = 0; k < tool.count; ++k) {

@@ -21,18 +21,13 @@ constexpr double kLongestMove = 0.02, kLongestAxis = 0.1;           // m
 constexpr int kMostBricks = 4096;                                   // limit of a cut; the rest is left
 constexpr double kSubstep = 0.5;  // cells that an end moves between two positions of a capsule
 constexpr int kSlice = kBrickSamples * kBrickSamples;
-
-// A row of nine samples as whole vectors: the last four lanes repeat three samples.
-constexpr int kLanes = 12;
-using Row = Eigen::Array<float, kLanes, 1>;
-int sampleOf(int lane) { return lane < kBrickCells ? lane : lane - 3; }
+static_assert(kBrickSamples == kernel::kBrickEdge);
 
 int sampleAt(int x, int y, int z) { return z * kSlice + y * kBrickSamples + x; }
 int cellAt(int x, int y, int z) { return (z * kBrickCells + y) * kBrickCells + x; }
 
 // Share of a cell's volume below a plane at this distance from its centre.
 double shareOf(float value) { return std::clamp(0.5 - static_cast<double>(value), 0.0, 1.0); }
-Row shareOf(const Row& values) { return (0.5f - values).max(0.0f).min(1.0f); }
 
 // Visit the samples of a brick along a path on which neighbours follow each other.
 template <typename Visit>
@@ -246,11 +241,8 @@ RemovedVolume Solid::cut(const Segment& from, const Segment& to, double radius, 
 }
 
 // A bur at one place; lengths in cells, positions from the grid's origin.
-struct Solid::Capsule {
+struct Solid::Capsule : kernel::BurAt {
   Vec3 a;
-  Eigen::Vector3f span;                // b - a
-  float perLength;                     // 1 / |span|^2; 0 for a ball
-  float reach, inner, most;            // of the surface; squared distances at the ends of the band are inner^2, most
   double cellVolume;                   // of a cell, m^3
   std::array<int, 3> first{}, last{};  // samples within reach
 };
@@ -259,14 +251,18 @@ struct Solid::Capsule {
 int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed) noexcept {
   const Vec3 a = (axis.a - origin_) / cell_, b = (axis.b - origin_) / cell_;
   const double r = radius / cell_;
-  Capsule capsule{a, (b - a).cast<float>(), 0.0f, 0.0f, 0.0f, 0.0f, cell_ * cell_ * cell_};
+  Capsule capsule{};
+  capsule.a = a;
+  capsule.cellVolume = cell_ * cell_ * cell_;
   // The interpolation of a curved distance lies above it by a twelfth of its Laplacian on average. Along the path of a
   // bur the Laplacian is 1 / r. The grid cannot resolve the curvature of a bur smaller than a cell.
   capsule.reach = static_cast<float>(r + (r > 1.0 ? 1.0 / (12.0 * r) : r / 12.0));
+  capsule.band = kBand;
   capsule.inner = std::max(capsule.reach - kBand, 0.0f),
   capsule.most = (capsule.reach + kBand) * (capsule.reach + kBand);
   const double around = static_cast<double>(capsule.reach) + kBand;
-  const Eigen::Vector3f span = capsule.span;
+  const Eigen::Vector3f span = (b - a).cast<float>();
+  std::copy_n(span.data(), 3, capsule.span);
   if (!span.isZero(0.0f)) capsule.perLength = 1.0f / span.squaredNorm();
   const Vec3 low = (a.cwiseMin(b).array() - around).ceil(), high = (a.cwiseMax(b).array() + around).floor();
   std::array<int, 3> firstBrick, lastBrick;
@@ -299,54 +295,27 @@ int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed
 
 void Solid::cutBrick(std::int32_t number, const Capsule& capsule, RemovedVolume& removed) noexcept {
   Brick& brick = bricks_[static_cast<std::size_t>(number)];
-  const Vec3& a = capsule.a;
-  const Eigen::Vector3f& span = capsule.span;
-  const float perLength = capsule.perLength, reach = capsule.reach, inner = capsule.inner;
-  std::array<int, 3> corner, i0, i1;  // samples out of reach have values below -kBand
-  for (int i = 0; i < 3; ++i) {
-    corner[i] = kBrickCells * brick.place[i];
-    i0[i] = std::max(capsule.first[i] - corner[i], 0);
-    i1[i] = std::min(capsule.last[i] - corner[i], kBrickCells);
+  float away[3][kBrickSamples];  // offsets of the samples from a, with the same bits in every brick that has them
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < kBrickSamples; ++k)
+      away[i][k] = static_cast<float>(kBrickCells * brick.place[i] + k - capsule.a[i]);
+  const int first = std::max(capsule.first[2] - kBrickCells * brick.place[2], 0);
+  const int last = std::min(capsule.last[2] - kBrickCells * brick.place[2], kBrickCells);
+  std::pair<Solid*, Brick*> kept{this, &brick};
+  const auto keepIt = [](void* context) {
+    const auto& [solid, changed] = *static_cast<std::pair<Solid*, Brick*>*>(context);
+    solid->keep(*changed);
+  };
+  kernel::CutSamples cut;
+  if (!kernel::loops().cutBrick(brick.samples.data(), away, first, last, capsule, keepIt, &kept, &cut)) return;
+  for (int i = 0; i < cut.count; ++i) {
+    const int x = cut.index[i] % kBrickSamples, y = cut.index[i] / kBrickSamples % kBrickSamples,
+              z = cut.index[i] / kSlice;
+    if (x < kBrickCells && y < kBrickCells && z < kBrickCells)
+      removed[brick.layer[cellAt(x, y, z)]] += static_cast<double>(cut.taken[i]) * capsule.cellVolume;
   }
-  // Offsets of the samples from a, with the same bits in every brick that has them.
-  const auto away = [&](int i, int k) { return static_cast<float>(corner[i] + k - a[i]); };
-  Row dx;
-  for (int k = 0; k < kLanes; ++k) dx[k] = away(0, sampleOf(k));
-  const Row dx2 = dx.square();
-  bool isCut = false, isTurned = false;
-  for (int z = i0[2]; z <= i1[2]; ++z)
-    for (int y = i0[1]; y <= i1[1]; ++y) {
-      float* row = brick.samples.data() + sampleAt(0, y, z);
-      const float dy = away(1, y), dz = away(2, z);
-      Row squared;
-      if (perLength == 0.0f) {
-        if (dy * dy + dz * dz > capsule.most) continue;
-        squared = dx2 + (dy * dy + dz * dz);
-      } else {
-        const Row t = ((dx * span[0] + (dy * span[1] + dz * span[2])) * perLength).max(0.0f).min(1.0f);
-        squared = (dx - t * span[0]).square() + (dy - t * span[1]).square() + (dz - t * span[2]).square();
-      }
-      Row before;
-      before.head<8>() = Eigen::Map<const Eigen::Array<float, 8, 1>>(row);
-      before.tail<4>() = Eigen::Map<const Eigen::Array<float, 4, 1>>(row + sampleOf(8));
-      // Is reach - distance above any sample, except those at the end of the band?
-      if (!(((reach - before).max(0.0f).square() - squared.max(inner * inner)).maxCoeff() > 0.0f)) continue;
-      if (!std::exchange(isCut, true)) keep(brick);
-      Row after;
-      for (int k = 0; k < kLanes; ++k) after[k] = std::min(std::max(before[k], reach - std::sqrt(squared[k])), kBand);
-      std::copy_n(after.data(), kBrickCells, row);
-      row[kBrickCells] = after[kLanes - 1];
-      int turned = 0;
-      for (int k = 0; k < kLanes; ++k)
-        turned |= static_cast<int>(before[k] < 0.0f) & static_cast<int>(after[k] >= 0.0f);
-      isTurned = isTurned || turned != 0;
-      const Row taken = shareOf(before) - shareOf(after);
-      if (y == kBrickCells || z == kBrickCells || !(taken.maxCoeff() > 0.0f)) continue;
-      for (int x = 0; x < kBrickCells; ++x)
-        removed[brick.layer[cellAt(x, y, z)]] += static_cast<double>(taken[x]) * capsule.cellVolume;
-    }
-  if (isTurned) findSurface(brick);
-  if (isCut) tellChanged(number);
+  if (cut.isTurned) findSurface(brick);
+  tellChanged(number);
 }
 
 void Solid::tellChanged(std::int32_t brick) noexcept {

@@ -15,14 +15,23 @@ namespace {
 
 constexpr double kFarthest = 1.0;  // above half a diagonal: a cell with surface has a place so near its centre
 constexpr double kClose = 2.0 * kBrickCells;
-constexpr int kRounds = 8;    // of an axis and a patch
-constexpr double kFew = 4.0;  // a first step shorter than 1 / kFew of the range goes to its end instead
-constexpr float kSameMinimum = 0.02f;
-constexpr double kClear = 0.5;                   // farther away the offset from the surface gives its normal
+constexpr int kRounds = 8;      // of an axis and a patch
+constexpr double kFew = 4.0;    // a first step shorter than 1 / kFew of the range goes to its end instead
+constexpr double kClear = 0.5;  // farther away the offset from the surface gives its normal
 constexpr double kAligned = 0.9396926207859084;  // cos 20 deg
 // Of minima within 30 deg the nearest represents the others, unless they are of two walls.
-constexpr float kSameDirection = 0.8660254f;
+constexpr double kRounded = 1.0 + 1e-6;  // larger than the error of a distance in float
+constexpr std::uint32_t kSlice = kBrickCells * kBrickCells;
 constexpr double kResolved = 0.25;  // times h^2 / R: the error of the interpolation
+
+// Remove the lane with the least estimate, and return it.
+int takeNearest(const CellPlaces& places, unsigned& lanes) {
+  int lane = __builtin_ctz(lanes);
+  for (unsigned others = lanes & (lanes - 1); others != 0; others &= others - 1)
+    if (places.distance[__builtin_ctz(others)] < places.distance[lane]) lane = __builtin_ctz(others);
+  lanes &= ~(1u << lane);
+  return lane;
+}
 
 struct Nearest {
   double distance;
@@ -74,61 +83,82 @@ struct SolidQuery {
           const Vec3 q = centre - axisAt(parameterAt(centre));
           const double distance = perLength > 0.0 ? q.norm() - kBrickCells * kHalfCell
                                                   : (q.array().abs() - 0.5 * kBrickCells).max(0.0).matrix().norm();
-          if (distance <= reach()) visit(number, brickOf(number), distance);
+          if (distance <= reach()) visit(number, distance);
         }
   }
 
-  // Visit the cells of a brick with surface within `reach()` of the axis. Arguments: samples, corner, centre of the
-  // cell relative to the axis, place of the axis.
+  // Visit the cells of a brick with surface within `reach()` of the axis. Arguments: cell as in SeenCells, its first
+  // sample, centre of the cell relative to the axis, place of the axis. In float, as they only select.
   template <typename Reach, typename Visit>
-  void forEachCell(const Brick& brick, const Reach& reach, const Visit& visit) const {
-    const Vec3 corner = cornerOf(brick), first = corner + Vec3::Constant(0.5), seen = a - first;
+  void forEachCell(std::int32_t number, const Reach& reach, const Visit& visit) const {
+    const Brick& brick = brickOf(number);
+    const Vec3 corner = cornerOf(brick), first = corner + Vec3::Constant(0.5);
     // The part of the axis that may be in reach, and a box around it.
     const double around = reach() + kHalfCell, half = (kBrickCells * kHalfCell + around) * perSpan;
-    const double middle = parameterAt(corner + Vec3::Constant(0.5 * kBrickCells));
+    const double middle = perLength > 0.0 ? parameterAt(corner + Vec3::Constant(0.5 * kBrickCells)) : 0.0;
     const Vec3 from = axisAt(std::max(middle - half, 0.0)) - first, to = axisAt(std::min(middle + half, 1.0)) - first;
     std::array<std::uint32_t, 3> within;
-    for (int i = 0; i < 3; ++i)
+    float away[3][kBrickCells];
+    for (int i = 0; i < 3; ++i) {
       within[i] = cellsBetween(std::min(from[i], to[i]) - around, std::max(from[i], to[i]) + around);
+      for (int k = 0; k < kBrickCells; ++k) away[i][k] = static_cast<float>(a[i] - first[i] - k);
+    }
+    const Eigen::Vector3f along = span.cast<float>();
+    const auto perSquared = static_cast<float>(perLength);
     std::uint64_t slice = 0;
     for (std::uint32_t rows = within[1]; rows != 0; rows &= rows - 1)
       slice |= std::uint64_t{within[0]} << (kBrickCells * __builtin_ctz(rows));
     for (; within[2] != 0; within[2] &= within[2] - 1) {
       const int z = __builtin_ctz(within[2]);
+      const auto most = static_cast<float>((reach() + kHalfCell) * kRounded);
       for (std::uint64_t left = brick.surface[z] & slice; left != 0; left &= left - 1) {
         const int bit = __builtin_ctzll(left), x = bit % kBrickCells, y = bit / kBrickCells;
-        Vec3 q(seen.x() - x, seen.y() - y, seen.z() - z);
-        double t = 0.0;
-        if (perLength > 0.0) {
-          t = std::clamp(-q.dot(span) * perLength, 0.0, 1.0);
-          q += t * span;
+        Eigen::Vector3f q(away[0][x], away[1][y], away[2][z]);
+        float t = 0.0f;
+        if (perSquared > 0.0f) {
+          t = std::clamp(-q.dot(along) * perSquared, 0.0f, 1.0f);
+          q += t * along;
         }
-        const double most = reach() + kHalfCell;
         if (q.squaredNorm() > most * most) continue;
-        visit(brick.samples.data() + (z * kBrickSamples + y) * kBrickSamples + x,
-              Vec3(corner.x() + x, corner.y() + y, corner.z() + z), q, t);
+        visit(static_cast<std::uint32_t>((number * kBrickCells + z) * kBrickCells * kBrickCells + bit),
+              brick.samples.data() + (z * kBrickSamples + y) * kBrickSamples + x, q, t);
       }
     }
+  }
+
+  // First corner of a cell, and its sample.
+  Vec3 lowOf(std::uint32_t cell) const {
+    const Vec3 inBrick(cell % kBrickCells, cell / kBrickCells % kBrickCells, cell / kSlice % kBrickCells);
+    return cornerOf(brickOf(static_cast<std::int32_t>(cell / (kSlice * kBrickCells)))) + inBrick;
+  }
+  const float* samplesOf(std::uint32_t cell) const {
+    const Brick& brick = brickOf(static_cast<std::int32_t>(cell / (kSlice * kBrickCells)));
+    return brick.samples.data() + cell / kSlice % kBrickCells * kUp + cell / kBrickCells % kBrickCells * kBack +
+           cell % kBrickCells;
   }
 
   static Vec3 cornerOf(const Brick& brick) {
     return kBrickCells * Vec3(brick.place[0], brick.place[1], brick.place[2]);
   }
 
-  // Pass on the cells that may have a place within `reach()` of the axis, as many as fit at a time.
+  // Pass on the cells that may have a place within `reach()` of the axis, with bounds, as many as fit at a time.
   template <typename Reach, typename Visit>
   void forEachSeen(const Reach& reach, const Visit& visit) const {
-    SeenCells cells;
-    const Eigen::Vector3f step = (kHalfCell * perSpan * span).cast<float>();
+    SeenCells cells(span);
     const auto hand = [&] {
-      cells.look(step);
+      for (int i = cells.count; i % kWidth != 0; ++i) {  // lanes without a cell
+        for (auto& row : cells.point) row[i] = 0.0f;
+        for (auto& row : cells.samples) row[i] = 0.0f;
+        cells.back[i] = cells.ahead[i] = 0.0f;
+      }
+      loops().boundCells(&cells);
       visit(std::as_const(cells));
       cells.count = 0;
     };
-    forEachBrick(reach, [&](std::int32_t, const Brick& brick, double) {
-      forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double t) {
-        if (cells.count == kMostSeen) hand();
-        cells.add(samples, low, q, t);
+    forEachBrick(reach, [&](std::int32_t number, double) {
+      forEachCell(number, reach, [&](auto... cell) {
+        if (cells.count == CellRows::kMost) hand();
+        cells.add(cell...);
       });
     });
     hand();
@@ -183,12 +213,12 @@ struct NearestSearch : SolidQuery {
     std::int32_t seed = -1;
     double least = limit;
     forEachBrick([&] { return least; },
-                 [&](std::int32_t number, const Brick&, double distance) {
+                 [&](std::int32_t number, double distance) {
                    least = distance;
                    seed = number;
                  });
     if (seed < 0) return best;
-    searchMiddle(brickOf(seed), best);
+    searchMiddle(seed, best);
     searchAll(best);
     if (best.found || best.distance == limit) return best;
     Nearest any{limit};  // for the case that all of those cells have none
@@ -200,10 +230,21 @@ struct NearestSearch : SolidQuery {
     forEachSeen([&] { return best.distance; },
                 [&](const SeenCells& cells) {
                   const Order order(cells, best.distance);
-                  for (int i = 0; i < cells.count; ++i) {
-                    const int cell = order.cells[i];
-                    if (static_cast<double>(cells.least[cell]) < best.distance)
-                      search(cells.low[cell].cast<double>(), cells.samples[cell], cells.parameter[cell], best);
+                  for (int i = 0; perLength == 0.0 && i < cells.count && order.least(i) < best.distance; ++i)
+                    if (const int cell = order.cells[i]; static_cast<double>(cells.least[cell]) < best.distance)
+                      search(cells.cell[cell], 0.0, best);
+                  if (perLength == 0.0) return;  // the bounds of a point are close enough without estimates
+                  CellPlaces places;
+                  for (int first = 0; first < cells.count && order.least(first) < best.distance; first += kWidth) {
+                    KnownMinima none;
+                    none.best = static_cast<float>(best.distance);
+                    const std::int16_t* const which = order.cells.data() + first;
+                    loops().nearestOnCells(cells, which, std::min(cells.count - first, kWidth), none, &places);
+                    for (unsigned lanes = places.nearest; lanes != 0;) {
+                      const int lane = takeNearest(places, lanes), cell = which[lane];
+                      if (static_cast<double>(places.least[lane]) < best.distance)
+                        search(cells.cell[cell], static_cast<double>(cells.parameter[cell]), best);
+                    }
                   }
                 });
   }
@@ -211,8 +252,9 @@ struct NearestSearch : SolidQuery {
   // At the nearest place of the axis, the way from the patch's nearest place is perpendicular to it. This is a root of
   // t minus the parameter nearest to the patch's nearest place. The function increases where the patch is flat. The
   // first step goes to that parameter, or to the end of the range if it hardly moves. Then regula falsi (Illinois).
-  void search(const Vec3& low, const float* samples, double t, Nearest& best) const {
-    const Patch patch(samples);
+  void search(std::uint32_t cell, double t, Nearest& best) const {
+    const Patch patch(samplesOf(cell));
+    const Vec3 low = lowOf(cell);
     Touch touch;
     double before = std::max(t - kHalfCell * perSpan, 0.0), beyond = std::min(t + kHalfCell * perSpan, 1.0);
     double atBefore = 0.0, atBeyond = 0.0;  // 0: not known
@@ -239,70 +281,57 @@ struct NearestSearch : SolidQuery {
   }
 
   // Search the cell with the nearest centre first; its result shortens the rest.
-  void searchMiddle(const Brick& brick, Nearest& best) const {
+  void searchMiddle(std::int32_t brick, Nearest& best) const {
+    constexpr std::uint32_t kNone = ~0u;
     double least = kNoLimit, parameter = 0.0;
-    Vec3 corner = Vec3::Zero();
-    const float* chosen = nullptr;
+    std::uint32_t chosen = kNone;
     const auto reach = [&] { return std::min(least, best.distance); };
-    forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double t) {
-      const double distance = q.norm();
+    forEachCell(brick, reach, [&](std::uint32_t cell, const float*, const Eigen::Vector3f& q, float t) {
+      const auto distance = static_cast<double>(q.norm());
       if (distance >= least) return;
       least = distance;
-      corner = low;
-      parameter = t;
-      chosen = samples;
+      parameter = static_cast<double>(t);
+      chosen = cell;
     });
-    if (chosen == nullptr) return;
-    search(corner, chosen, parameter, best);
-    best.distance = std::min(best.distance, least + kFarthest);  // also if it found no place
+    if (chosen == kNone) return;
+    search(chosen, parameter, best);
+    best.distance = std::min(best.distance, least * kRounded + kFarthest);  // also if it found no place
   }
 };
 
+// A place that may be a minimum. Unless it is exact, only cell, distance and direction are known, as estimates.
+struct Candidate {
+  std::uint32_t cell;
+  float distance;
+  Eigen::Vector3f direction;  // to the point
+  bool isExact = false;
+  Nearest place = {};
+};
+
 // The minima of the distance from a point, nearest first.
-struct Collected {
-  std::array<Nearest, kMaxSolidMinima> all;
-  int count = 0;
-  // For all of them at once: distance and direction of the point. In float, as it only selects.
-  float distance[kMaxSolidMinima], x[kMaxSolidMinima], y[kMaxSolidMinima], z[kMaxSolidMinima];
-
-  Collected() { std::fill(std::begin(distance), std::end(distance), static_cast<float>(kNoLimit)); }
-
-  Eigen::Vector3f direction(int i) const { return {x[i], y[i], z[i]}; }
-
-  // Whether there is one within an angle of the vector that is not farther than `most`.
-  bool has(const Eigen::Vector3f& way, float most, float cosine) const {
-    const float wayX = way.x(), wayY = way.y(), wayZ = way.z(), least = cosine * way.norm();
-    int found = 0;
-    for (int i = 0; i < kMaxSolidMinima; ++i)
-      found |=
-          static_cast<int>(distance[i] <= most) & static_cast<int>(x[i] * wayX + y[i] * wayY + z[i] * wayZ > least);
-    return found != 0;
-  }
+struct Collected : KnownMinima {
+  std::array<Candidate, kMost> all;
 
   // Keep the others for which `keeps` is true, and insert this one.
   template <typename Keeps>
-  void add(const Vec3& p, const Nearest& candidate, const Keeps& keeps) {
+  void add(const Candidate& candidate, const Keeps& keeps) {
     int kept = 0, place = 0;
     for (int i = 0; i < count; ++i)
       if (keeps(i)) {
-        all[kept++] = all[i];
+        if (kept != i) all[kept] = all[i];
+        ++kept;
         if (all[i].distance <= candidate.distance) place = kept;
       }
-    if (place < kMaxSolidMinima) {
-      kept = std::min(kept, kMaxSolidMinima - 1);
+    if (place < kMost) {
+      kept = std::min(kept, kMost - 1);
       std::copy_backward(all.begin() + place, all.begin() + kept, all.begin() + kept + 1);
       all[place] = candidate;
       ++kept;
     }
     count = kept;
-    for (int i = 0; i < kMaxSolidMinima; ++i) {
-      const bool isOne = i < count;
-      const Eigen::Vector3f to = isOne ? Eigen::Vector3f((p - all[i].point).cast<float>().stableNormalized())
-                                       : Eigen::Vector3f(Eigen::Vector3f::Zero());
-      distance[i] = static_cast<float>(isOne ? all[i].distance : kNoLimit);
-      x[i] = to.x();
-      y[i] = to.y();
-      z[i] = to.z();
+    for (int i = 0; i < count; ++i) {
+      distance[i] = all[i].distance;
+      for (int k = 0; k < 3; ++k) direction[k][i] = all[i].direction[k];
     }
   }
 };
@@ -314,9 +343,16 @@ struct MinimaSearch : SolidQuery {
     Nearest best{reach};
     Collected found;
     forEachSeen([&] { return reach; }, [&](const SeenCells& cells) { collect(cells, reach, best, found); });
-    if (best.found) add(best, found);  // also counts if the surface has no normal there that points to p
-    for (int i = 0; i < found.count; ++i) minima.all[i] = answer(found.all[i], 1.0);
-    minima.count = found.count;
+    if (best.found) add(exact(0, best), found);  // also counts if the surface has no normal there that points to p
+    minima.count = 0;
+    for (int i = 0; i < found.count; ++i) {
+      Nearest place = found.all[i].place;
+      if (!found.all[i].isExact && !searchCell(found.all[i].cell, place)) continue;
+      int at = minima.count++;  // estimates may have another order
+      for (; at > 0 && place.distance * solid.cell() < minima.all[at - 1].distance; --at)
+        minima.all[at] = minima.all[at - 1];
+      minima.all[at] = answer(place, 1.0);
+    }
   }
 
  private:
@@ -331,54 +367,75 @@ struct MinimaSearch : SolidQuery {
     return beyond > kResolved / far && valueAt(a + toEdge) > -0.5 * beyond;
   }
 
-  // Whether a place in this direction is represented by a minimum that is not farther than `most`.
-  bool isKnown(const Collected& found, const Eigen::Vector3f& way, float distance, float most) const {
-    if (!found.has(way, most, kSameDirection)) return false;
+  // Whether a place in this direction (unit vector) is represented by a minimum that is not farther.
+  bool isKnown(const Collected& found, const Eigen::Vector3f& unit, float distance) const {
     // At small angles the edge of areWalls() is not resolved: there `beyond` is distance (1 - cosine) / 4.
     const float resolved = 1.0f - 4.0f * static_cast<float>(kResolved) / std::max(distance * distance, 1.0f);
-    if (found.has(way, most, std::max(resolved, kSameDirection))) return true;
-    const Eigen::Vector3f unit = way.stableNormalized();
-    for (int i = 0; i < found.count; ++i)
-      if (found.distance[i] <= most && found.direction(i).dot(unit) > kSameDirection &&
-          !areWalls(found.direction(i), found.distance[i], unit, distance))
+    const auto& [x, y, z] = found.direction;
+    float cosine[Collected::kMost];
+    for (int i = 0; i < Collected::kMost; ++i) cosine[i] = x[i] * unit.x() + y[i] * unit.y() + z[i] * unit.z();
+    for (int i = 0; i < found.count && found.distance[i] <= distance; ++i)
+      if (cosine[i] > kRepresentedCosine &&
+          (cosine[i] > resolved || !areWalls(found.all[i].direction, found.distance[i], unit, distance)))
         return true;
     return false;
   }
 
-  void add(const Nearest& candidate, Collected& found) const {
-    const Eigen::Vector3f way = (a - candidate.point).cast<float>();
-    const auto distance = static_cast<float>(candidate.distance);
-    if (isKnown(found, way, distance, distance)) return;
-    const Eigen::Vector3f unit = way.stableNormalized();
-    found.add(a, candidate, [&](int i) {
-      return found.direction(i).dot(unit) <= kSameDirection || found.distance[i] <= distance ||
-             areWalls(found.direction(i), found.distance[i], unit, distance);
+  void add(const Candidate& one, Collected& found) const {
+    if (isKnown(found, one.direction, one.distance)) return;
+    found.add(one, [&](int i) {
+      const Candidate& other = found.all[i];
+      return other.direction.dot(one.direction) <= kRepresentedCosine || other.distance <= one.distance ||
+             areWalls(other.direction, other.distance, one.direction, one.distance);
     });
+  }
+
+  Candidate exact(std::uint32_t cell, const Nearest& place) const {
+    return {cell, static_cast<float>(place.distance), (a - place.point).cast<float>().stableNormalized(), true, place};
+  }
+
+  bool searchCell(std::uint32_t cell, Nearest& place) const {
+    const Vec3 low = lowOf(cell), q = a - low;
+    Touch touch;
+    if (!nearestOn(Patch(samplesOf(cell)), q, touch)) return false;
+    place = {(q - touch.point).norm(), 0.0, low + touch.point, touch.gradient, true};
+    return true;
   }
 
   // The likely nearest first, so that others in the same direction need no closer look.
   void collect(const SeenCells& cells, double reach, Nearest& best, Collected& found) const {
     const Order order(cells, reach);
-    for (int i = 0; i < cells.count; ++i) {
-      const int cell = order.cells[i];
-      const double least = static_cast<double>(cells.least[cell]);
-      if (least > reach) continue;
-      const Vec3 low = cells.low[cell].cast<double>(), q = a - low;
-      const auto isOne = [&] {
-        const auto& [x, y, z] = cells.toCentre;
-        return cells.outside[cell] <= 0.75f + 2.0f * cells.flatness[cell] * cells.distance[cell] &&
-               (found.count < kMaxSolidMinima || least < found.all[found.count - 1].distance) &&
-               !isKnown(found, {x[cell], y[cell], z[cell]}, cells.distance[cell], cells.distance[cell] + kSameMinimum);
-      };
-      if (least >= best.distance && !isOne()) continue;
-      Touch touch;
-      if (!nearestOn(Patch(cells.samples[cell]), q, touch)) continue;
-      const Vec3 way = q - touch.point;
-      const Nearest candidate{way.norm(), 0.0, low + touch.point, touch.gradient, true};
-      if (candidate.distance < best.distance) best = candidate;
-      if (candidate.distance <= reach &&
-          way.dot(touch.gradient) > kAligned * candidate.distance * touch.gradient.norm())
-        add(candidate, found);
+    CellPlaces places;
+    for (int first = 0; first < cells.count; first += kWidth) {
+      const double most = found.count < found.kMost
+                              ? reach
+                              : std::max(best.distance, static_cast<double>(found.distance[found.count - 1]));
+      if (order.least(first) > most) return;
+      found.best = static_cast<float>(best.distance);
+      found.most = static_cast<float>(most);
+      const std::int16_t* const which = order.cells.data() + first;
+      loops().nearestOnCells(cells, which, std::min(cells.count - first, kWidth), found, &places);
+      unsigned lanes = places.minima | places.nearest;
+      while (lanes != 0) {
+        const int lane = takeNearest(places, lanes);
+        lookAt(cells.cell[which[lane]], places, lane, reach, best, found);
+      }
+    }
+  }
+
+  void lookAt(std::uint32_t cell, const CellPlaces& places, int lane, double reach, Nearest& best,
+              Collected& found) const {
+    const float distance = places.distance[lane], least = places.least[lane];
+    if (static_cast<double>(least) < best.distance || distance - least > 2.0f * kCellError) {
+      Nearest place{};
+      if (!searchCell(cell, place)) return;
+      if (place.distance < best.distance) best = place;
+      if (place.distance <= reach &&
+          (a - place.point).dot(place.gradient) > kAligned * place.distance * place.gradient.norm())
+        add(exact(cell, place), found);
+    } else if ((places.minima >> lane & 1) != 0) {
+      const Eigen::Vector3f way(places.way[0][lane], places.way[1][lane], places.way[2][lane]);
+      add({cell, distance, way / std::max(distance, 1e-6f)}, found);
     }
   }
 };

@@ -5,10 +5,11 @@
 #include <cstdint>
 
 #include "enamel/collision/solid.hpp"
+#include "kernel.hpp"
 
 namespace enamel::kernel {
 
-inline constexpr int kMaxSolidMinima = 8;
+inline constexpr int kMaxSolidMinima = KnownMinima::kMost;
 inline constexpr double kMostSolidBytes = 1e9, kMostSolidPlaces = 1 << 22;  // in memory; of bricks
 
 /// Local minima of the distance from a point, nearest first. Of minima within 30 deg only the nearest is kept.
