@@ -137,23 +137,27 @@ void drawRatio(const Rect& area, const OverlayInput& input, OverlayState& state,
                                     depthText(tests[1]->deepest).c_str());
   brush.text(gFonts.small, x, y, kMuted, depths);
   brush.text(gFonts.small, x, y + 17 * s, kMuted,
-             format("perceived: %s and %s", shownText(*tests[0]).c_str(), shownText(*tests[1]).c_str()));
+             format("perceived K_z1: %s and %s", shownText(*tests[0]).c_str(), shownText(*tests[1]).c_str()));
   state.readouts.push_back(times + "; " + depths);
 }
 
-// Draw in words how deep a pane's tool sank in this press, then the motors' force on it.
+// Draw in words how deep a pane's tool sank in this press, then the motors' force on it now.
 void drawWords(const Rect& inset, double deepest, const Delivered& force, OverlayState& state, const Brush& brush) {
   const float s = brush.s, x = inset.x + 12 * s, wall = inset.y + kWallShare * inset.height;
   const std::string words = "sank " + depthText(deepest);
   brush.text(gFonts.large, x, inset.y + 4 * s, kInk, words);
+  const std::string when = "at most in this press";
+  const float after = x + Brush::width(gFonts.large, words) + 8 * s;
+  if (after + Brush::width(gFonts.small, when) < inset.x + inset.width)
+    brush.text(gFonts.small, after, inset.y + 13 * s, kMuted, when);
   state.readouts.push_back(words);
   const std::pair<const char*, double> rows[] = {
-      {"force, normal", force.normal}, {"tangential", force.tangential}, {"total", force.total}};
+      {"force now, normal", force.normal}, {"tangential", force.tangential}, {"total", force.total}};
   float y = inset.y + 36 * s;
   for (const auto& [name, value] : rows) {
     if (y + 15 * s > wall) break;  // as many rows as fit above the wall
     brush.text(gFonts.small, x, y, kMuted, name);
-    brush.textRight(gFonts.small, x + 128 * s, y, kInk, tenths(value) + " N");
+    brush.textRight(gFonts.small, x + 152 * s, y, kInk, tenths(value) + " N");
     y += 17 * s;
   }
 }

@@ -184,7 +184,7 @@ class Scenes(unittest.TestCase):
         with self.assertRaisesRegex(enamel.Error, "must be closed"):
             scene.compare_cut(molar, vertices, triangles[1:])
         with self.assertRaisesRegex(enamel.Error, "is not a solid"):
-            scene.compare_cut(scene.obstacles.index("gum"), vertices, triangles)
+            enamel.Scene(enamel.data / "scenes/flat-wall.toml").compare_cut(0, vertices, triangles)
 
     def test_labels_become_a_solid(self):
         far = np.linalg.norm(np.stack(np.meshgrid(*[np.arange(-15, 16)] * 3, indexing="ij")), axis=0)

@@ -60,7 +60,7 @@ TEST_CASE("a scene says what it is made of and what a tick of it costs, a broken
   CHECK_THAT(caries.output, ContainsSubstring("enamel: rigid, friction 0.1\n"));
   CHECK_THAT(caries.output,
              ContainsSubstring("caries: 4000 N/m, friction 0.3, exponent 1.5 (the stiffness is that at 1 "
-                               "mm), hysteresis 2 s/m\n"));
+                               "mm), layer of 1.3 mm, hysteresis 2 s/m, breaks at 2 N\n"));
   CHECK_THAT(caries.output, ContainsSubstring("layer of 1.7 mm, hysteresis 2 s/m, breaks at 3 N\n"));
   CHECK_THAT(test::run("scene " + scenes + "taps.toml").output, ContainsSubstring("a tap rings at 310 Hz"));
   CHECK_THAT(test::run("scene " + scenes + "surfaces.toml").output,
