@@ -104,7 +104,7 @@ double pulp(const Vec3& p) {
     for (const double side : i == 0 ? std::vector{-1.0, 1.0} : std::vector{0.0}) {
       std::vector<std::pair<Vec3, double>> canal;
       for (int k = 0; k <= 8; ++k) {
-        const double s = k / 8.0, z = -2.9 + s * (kRoots[i].apex + 2.9);
+        const double s = k / 8.0, z = -2.9 + s * (kRoots[i].apex + 4.1);  // ends in the root
         canal.emplace_back(Vec3(kRoots[i].centre(kRoots[i].depth(z)), side * (1.5 - 1.0 * s), z),
                            (i == 0 ? 0.5 : 0.65) * (1.0 - 0.7 * s));
       }

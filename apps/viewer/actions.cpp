@@ -39,6 +39,7 @@ const std::vector<ActionRow>& actionRows() {
       {Action::turnZ, "turn-z", "Z", "turn a scan about z", GLFW_KEY_Z, false, Source::live},
       {Action::scanUnit, "scan-unit", "U", "next unit of a scan: mm, m, um", GLFW_KEY_U, false, Source::live},
       {Action::saveScene, "save-scene", "Ctrl+S", "save a scan as a scene file", GLFW_KEY_S, true, Source::live},
+      {Action::saveSolids, "save-solid", "Ctrl+D", "save the drilled solids (.solid)", GLFW_KEY_D, true},
       {Action::cutAway, "cut-away", "C", "cut a solid open at the tool", GLFW_KEY_C, false},
       {Action::sound, "sound", "M", "sound of the bur, on or off", GLFW_KEY_M, false, Source::live},
       {Action::help, "help", "F1", "this help", GLFW_KEY_F1, false},

@@ -38,6 +38,7 @@ enum class Action : std::uint8_t {
   turnZ,
   scanUnit,
   saveScene,
+  saveSolids,
   cutAway,
   sound,
   help,

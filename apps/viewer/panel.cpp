@@ -168,11 +168,13 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
     remark("It holds the pose of the first touch: the tool cannot slide.");
   } else {
     remark("It pushes out of the wall and never pulls: the tool slides.");
-    remark(format("Estimated mass of the tool: %.0f %% of the model's.", 100.0 * frame.control.mass));
-    tip(state, format("Estimated from the motion of the tool and the torque of the motors; standard deviation %.0f %%. "
-                      "Ignored samples, which no push explains: %.0f.",
-                      100.0 * frame.control.deviation, frame.control.ignored)
-                   .c_str());
+    const double mass = 100.0 * frame.control.mass, factor = std::exp(1.96 * frame.control.deviation);
+    remark(format("Estimated mass of the tool: %.0f to %.0f %% of the model's.", mass / factor, mass * factor));
+    tip(state,
+        format("95 %% interval, from the motion of the tool and the torque of the motors. Ignored samples, which "
+               "no push explains: %.0f.",
+               frame.control.ignored)
+            .c_str());
   }
 }
 

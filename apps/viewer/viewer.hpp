@@ -121,6 +121,7 @@ class Viewer final : public InputTarget {
   void endTour(bool skipped);
   void setSlowdown(int factor);
   void undo();
+  void saveSolids();
   void cutOpen();
   void resetAll();
   void closeTop();

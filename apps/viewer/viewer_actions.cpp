@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "enamel/collision/solid_file.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "free_path.hpp"
@@ -170,6 +171,7 @@ bool Viewer::actOnTime(Action action) {
 void Viewer::actOnView(Action action) {
   switch (action) {
     case Action::cutAway: return cutOpen();
+    case Action::saveSolids: return saveSolids();
     case Action::sound:
       if (isHeadless_) return notify("Sound is available only in a window.");
       overlay_.sound = !overlay_.sound;
@@ -358,6 +360,24 @@ void Viewer::spin(bool on) {
   spins_ = on;
   if (live_) return live_->spin(on);
   send(RunnerCommand::Kind::spin, on ? 1 : 0);
+}
+
+// Save each solid as it is now, with its cuts.
+void Viewer::saveSolids() {
+  if (layersOf(solids_) == nullptr) return notify("This scene has no solid to save (scene drill has one).");
+  for (std::size_t i = 0; i < solids_.size(); ++i) {
+    if (!solids_[i].uncut) continue;
+    Solid solid = *solids_[i].uncut;
+    for (int brick = 0; brick < solid.bricks(); ++brick)
+      solid.set(brick, solids_[i].samples[static_cast<std::size_t>(brick)]);
+    try {
+      const std::string path = freePath(folder_, scene_.scene.obstacles()[i].name.c_str(), {".solid"}) + ".solid";
+      saveSolid(solid, path);
+      notify(path + ": saved.");
+    } catch (const Error& error) {
+      notify(error.what());
+    }
+  }
 }
 
 // Cut the solids open along the tool, facing the camera; or close them again.

@@ -140,6 +140,8 @@ TEST_CASE("the shipped tooth has the dimensions of a lower first molar, and its 
   CHECK(cusp - floor == Approx(7.95e-3).margin(0.79e-3));
   CHECK(cusp - furcation == Approx(10.90e-3).margin(1.21e-3));
   CHECK(cusp - apex == Approx(21.5e-3).margin(1e-3));
+  const auto& canals = pulp.mesh().vertices;
+  CHECK(std::all_of(canals.begin(), canals.end(), [&](const Vec3& v) { return within(dentine, v); }));
   // On a cusp: enamel, dentine below it, gum beside the neck, bone below the gum.
   const Vec3 tip(-2.6e-3, -2.3e-3, cusp);
   CHECK(within(enamel, tip - Vec3(0.0, 0.0, 1.5e-3)));

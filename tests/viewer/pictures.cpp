@@ -1,6 +1,7 @@
 // Pictures of the viewer, in software GL without an X server, and in a window under Xvfb.
 #include "camera.hpp"
 #include "colours/palette.hpp"
+#include "enamel/collision/solid_file.hpp"
 #include "enamel/study/metrics.hpp"
 #include "layout.hpp"
 #include "support/devices.hpp"
@@ -724,14 +725,15 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
                   "[[obstacle.layer]]\nname = \"enamel\"\nhardness = 3.4e9\n[[obstacle.layer]]\nname = \"dentine\"\n"
                   "hardness = 0.6e9\ndepth = 0.0006\n");
   const std::string away = "hand 0 0 6 over 0.2\n", front = "view 0 0 -3 20 -20 62\n", side = "view 0 0 -3 75 -10 62\n";
-  test::writeFile(folder / "script.txt",
-                  "0 panels\n0 charts\n0 " + side + "0.1 " + away + "0.6 picture whole\n0.6 " + front +
-                      "0.7 picture before\n0.7 spin on\n0.7 hand 0 0 -12 over 0.3\n1.2 " + side +
-                      "1.3 picture flying\n1.3 pause\n1.5 picture paused\n1.5 pause\n2.3 " + front +
-                      "2.4 spin off\n2.4 " + away +
-                      "2.9 picture drilled\n3.0 cut-away\n3.0 picture open\n3.1 cut-away\n3.1 undo\n3.2 picture "
-                      "undone\n3.3 undo\n3.4 picture nothing\n3.4 end\n");
+  std::string script = "0 panels\n0 charts\n0 " + side + "0.1 " + away + "0.6 picture whole\n0.6 " + front +
+                       "0.7 picture before\n0.7 spin on\n0.7 hand 0 0 -12 over 0.3\n1.2 " + side +
+                       "1.3 picture flying\n1.3 pause\n1.5 picture paused\n1.5 pause\n2.3 " + front +
+                       "2.4 spin off\n2.4 " + away +
+                       "2.9 picture drilled\n3.0 cut-away\n3.0 picture open\n3.1 cut-away\n3.1 undo\n3.2 picture "
+                       "undone\n3.3 undo\n3.4 picture nothing\n3.4 end\n";
   for (const std::string out : {"out", "again"}) {
+    if (out == "again") script.insert(script.find("2.9 picture drilled"), "2.9 save-solid\n");
+    test::writeFile(folder / "script.txt", script);
     const auto result = test::viewer("'" + folder / "tooth.toml' --headless --script '" + folder / "script.txt" +
                                      "' --size 640x360 --record '" + folder / out + "'");
     INFO(result.output);
@@ -742,6 +744,12 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
     return patchOf(Pixels(folder / ("out/" + name + ".png")), colour, {240, 60}, {480, 340}, 0.04).count;
   };
   const unsigned dentine = layerColour("dentine", 3);
+  Solid saved = loadSolid(folder / "again/molar-001.solid");
+  const RemovedVolume drilled = saved.volume();
+  saved.restore();
+  const RemovedVolume whole = saved.volume();
+  CHECK(drilled[0] < whole[0] - 1e-9);
+  CHECK(drilled[1] < whole[1]);
   CHECK(count("before", dentine) < 20);
   CHECK(count("drilled", dentine) > count("before", dentine) + 60);
   CHECK(count("open", dentine) > count("drilled", dentine) + 500);
