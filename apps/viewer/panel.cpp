@@ -168,6 +168,7 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
     remark("It holds the pose of the first touch: the tool cannot slide.");
   } else {
     remark("It pushes out of the wall and never pulls: the tool slides.");
+    if (!(frame.control.deviation > 0.0)) return;  // before the first tick
     const double mass = 100.0 * frame.control.mass, factor = std::exp(1.96 * frame.control.deviation);
     remark(format("Estimated mass of the tool: %.0f to %.0f %% of the model's.", mass / factor, mass * factor));
     tip(state,

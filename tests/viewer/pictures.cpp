@@ -698,7 +698,7 @@ TEST_CASE("the magnified view lists every contact", "[viewer]") {
 
 TEST_CASE("two tools do not share a bur", "[viewer]") {
   const test::TemporaryFolder folder;
-  test::writeFile(folder / "script.txt", "0 picture before\n0.1 split\n0.2 picture after\n0.2 end\n");
+  test::writeFile(folder / "script.txt", "0.05 picture before\n0.1 split\n0.2 picture after\n0.2 end\n");
   const auto result = test::viewer(test::shippedScene("drill.toml") + " --headless --script '" + folder / "script.txt" +
                                    "' --record '" + folder / "out'");
   INFO(result.output);
