@@ -12,18 +12,21 @@
 namespace enamel::kernel {
 
 /// Return the mesh where the samples are 0. It is closed if no sample at the border is inside.
-/// - `at(x, y, z)`: number of a sample;
-/// - `value(sample)`: negative inside;
+/// - `value(sample)`: negative inside; the first axis is the fastest;
 /// - `place(grid)`: position of a point of the grid, m.
-template <typename At, typename Value, typename Place>
-TriangleMesh surfaceOfGrid(const std::array<int, 3>& size, const At& at, const Value& value, const Place& place) {
+template <typename Value, typename Place>
+TriangleMesh surfaceOfGrid(const std::array<int, 3>& size, const Value& value, const Place& place) {
+  const std::size_t row = static_cast<std::size_t>(size[0]), slice = row * static_cast<std::size_t>(size[1]);
   TriangleMesh mesh;
   std::unordered_map<std::uint64_t, int> vertices;  // by sample and direction of an edge
   for (int z = 0; z + 1 < size[2]; ++z)
     for (int y = 0; y + 1 < size[1]; ++y)
       for (int x = 0; x + 1 < size[0]; ++x) {
+        const std::size_t first =
+            static_cast<std::size_t>(x) + static_cast<std::size_t>(y) * row + static_cast<std::size_t>(z) * slice;
         const auto sampleOf = [&](int corner) {
-          return at(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2));
+          return first + static_cast<std::size_t>(corner & 1) + static_cast<std::size_t>(corner >> 1 & 1) * row +
+                 static_cast<std::size_t>(corner >> 2) * slice;
         };
         std::array<double, 8> values;
         int inside = 0;

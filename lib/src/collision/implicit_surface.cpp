@@ -22,14 +22,9 @@ TriangleMesh surfaceOf(const std::function<double(const Vec3&)>& field, const Ve
           "implicit surface: cells of " + formatNumber(cell) + " m need more than 2^28 samples");
   const std::array<int, 3> size = {static_cast<int>(cells.x()) + 1, static_cast<int>(cells.y()) + 1,
                                    static_cast<int>(cells.z()) + 1};
-  const auto at = [&](int x, int y, int z) {
-    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(y)) *
-               static_cast<std::size_t>(size[0]) +
-           static_cast<std::size_t>(x);
-  };
   const auto place = [&](const Vec3& grid) -> Vec3 { return low + cell * grid; };
   std::vector<double> samples;
-  samples.reserve(at(size[0] - 1, size[1] - 1, size[2] - 1) + 1);
+  samples.reserve(static_cast<std::size_t>((cells.array() + 1.0).prod()));
   for (int z = 0; z < size[2]; ++z)
     for (int y = 0; y < size[1]; ++y)
       for (int x = 0; x < size[0]; ++x) {
@@ -39,7 +34,7 @@ TriangleMesh surfaceOf(const std::function<double(const Vec3&)>& field, const Ve
         samples.push_back(isBorder ? std::max(value, 0.0) : value);
       }
   return kernel::surfaceOfGrid(
-      size, at, [&](std::size_t sample) { return samples[sample]; }, place);
+      size, [&](std::size_t sample) { return samples[sample]; }, place);
 }
 
 }  // namespace enamel

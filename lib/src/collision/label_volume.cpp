@@ -110,8 +110,7 @@ TriangleMesh surfaceOf(const LabelVolume& volume, const std::vector<int>& labels
   check(volume, smoothing);
   const Field field(volume, labels, smoothing);
   TriangleMesh mesh = kernel::surfaceOfGrid(
-      field.size(), [&](int x, int y, int z) { return field.at(x, y, z); },
-      [&](std::size_t sample) { return 0.5 - static_cast<double>(field[sample]); },
+      field.size(), [&](std::size_t sample) { return 0.5 - static_cast<double>(field[sample]); },
       [&](const Vec3& grid) -> Vec3 {
         return volume.origin + volume.axes * field.voxelOf(grid).cwiseProduct(volume.spacing);
       });

@@ -228,13 +228,14 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
 }
 
 // The minima at a place; the first ones are those within a shorter reach. Parts often share an end.
-const SolidMinima& minimaAt(const Solid& solid, const Vec3& p, double reach, SolidEnd& end) {
-  if (!(end.point == p && reach <= end.reach)) {
-    findMinima(solid, p, reach, end.minima);
-    end.point = p;
-    end.reach = reach;
+const SolidMinima& minimaAt(const Solid& solid, const Vec3& p, double reach, std::optional<SolidEnd>& end) {
+  if (!end || end->point != p || reach > end->reach) {
+    if (!end) end.emplace();
+    findMinima(solid, p, reach, end->minima);
+    end->point = p;
+    end->reach = reach;
   }
-  return end.minima;
+  return end->minima;
 }
 
 // A place between the ends counts only if it is nearer than both, as for a mesh. The search along the axis spares those

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "minima.hpp"
 #include "solid_query.hpp"
@@ -24,7 +25,7 @@ struct End {
 /// The last place on an axis whose minima a solid was searched for.
 struct SolidEnd {
   Vec3 point = Vec3::Zero();
-  double reach = -1.0;  ///< search limit
+  double reach = 0.0;  ///< search limit
   SolidMinima minima;
 };
 
@@ -33,9 +34,9 @@ struct Collector {
   ContactSnapshot* contacts;
   double margin;
   Pair pair;
-  End* last;  ///< of the previous part
-  End* next;  ///< becomes `last`
-  SolidEnd* solid;
+  End* last;                                         ///< of the previous part
+  End* next;                                         ///< becomes `last`
+  std::optional<SolidEnd>* solid;                    ///< empty at first
   double nextRadius;                                 ///< of the part that begins where this one ends, or 0
   bool isOutside = false;                            ///< the axis is known to be outside
   double pad = 0.0;                                  ///< of a sheet: half its thickness, added to all radii
@@ -65,7 +66,7 @@ Status forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, doubl
   if (const Status status = checkTool(tool); status != Status::ok) return status;
   const std::vector<Obstacle>& obstacles = scene.obstacles();
   End ends[2];
-  SolidEnd solid;
+  std::optional<SolidEnd> solid;
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     if (!obstacles[i].active) continue;
     if (!isFinite(obstacles[i].pose)) {
@@ -74,7 +75,7 @@ Status forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, doubl
     }
     ends[0].limit = -1.0;
     ends[0].nearest = SurfacePoint();
-    solid.reach = -1.0;
+    solid.reset();
     Collector out{&contacts, margin, {&obstacles[i], static_cast<int>(i), 0}, &ends[0], &ends[1], &solid, 0.0};
     out.pad = 0.5 * obstacles[i].thickness;
     out.isOutside = out.pad > 0.0;
