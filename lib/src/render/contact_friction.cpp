@@ -34,7 +34,7 @@ JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, con
     const Contact& contact = frame.contacts.contacts[c];
     if (!(contact.material.friction > 0.0)) continue;
     const double normal = normals[static_cast<std::size_t>(c)] + contact.grip;
-    const bool floats = contact.grip > 0.0 && normals[static_cast<std::size_t>(c)] == 0.0;
+    const bool floats = isHeldByWalls(contact, normal);
     const ContactRow& row = frame.rows.row[c];
     const Lane first = modes.toModes(row.tangent[0]), second = modes.toModes(row.tangent[1]);
     double aa = 0.0, ab = 0.0, bb = 0.0, lead = 0.0, rounding = 0.0;

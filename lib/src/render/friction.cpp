@@ -42,7 +42,7 @@ Vec3 FrictionMemory::force(const Contact& contact, const SurfaceMotion& slide, c
   }
   if (before == nullptr && !(normalForce > 0.0)) return Vec3::Zero();
   // The walls of a hole hold the tool in every direction. Along the normal, the ground does if it carries a force.
-  const bool floats = contact.grip > 0.0 && normalForce <= contact.grip;
+  const bool floats = isHeldByWalls(contact, normalForce);
   const auto along = [&](const Vec3& v) { return floats ? v : Vec3(v - contact.normal.dot(v) * contact.normal); };
   Vec3 stretch = Vec3::Zero();
   double load = normalForce, budget = normalForce;

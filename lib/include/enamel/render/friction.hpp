@@ -52,6 +52,12 @@ struct SurfaceMotion {
   Vec3 velocity;      ///< when the torque acts, m/s
 };
 
+/// Return whether only the walls of a hole hold the tool at a contact (Contact::grip): the ground below carries no
+/// force. `normalForce`: with the grip, N. Realtime: yes.
+inline bool isHeldByWalls(const Contact& contact, double normalForce) noexcept {
+  return contact.grip > 0.0 && normalForce <= contact.grip;
+}
+
 /// Friction of all contacts of one tool, from tick to tick.
 class FrictionMemory {
  public:
