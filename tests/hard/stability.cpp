@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -154,6 +155,10 @@ class Loop {
   double gap() const { return normal_.dot(device_->state().position); }
   GuardReason reason() const { return body_->tick().reason; }
   double mass() const { return renderer_->state().mass; }
+  bool knowsDelay(int delay) const {
+    const PositionControlState state = renderer_->state();
+    return state.delayLow == delay && state.delayHigh == delay;
+  }
   const Mechanism& model() const { return *model_; }
   // Change the device between two ticks; the delay by less than a tick.
   void change(double mass, double delay) {
@@ -451,6 +456,44 @@ TEST_CASE("random loops with errors in the stable set", "[hard]") {
     std::cout << (scope == Scope::all ? "stable with and without jumps: " : "stable without jumps: ") << count
               << " loops, " << lost << " lost\n";
   }
+}
+
+// A sudden push moves the tool before the observer follows, as a later command would. Coarse encoders and cables hide
+// the difference.
+TEST_CASE("hard pushes do not teach a wrong delay, and a wrong file does not hide the delay", "[hard]") {
+  constexpr int kTicks = 600, kOnset = 150;
+  constexpr double kLight = 0.05, kPush = 0.6;  // of the device's largest force
+  const int perNormal = test::count(2, 20);
+  for (const char* file : {"delta.toml", "cartesian-3.toml", "stylus.toml", "touch.toml", "tau-detailed.toml"})
+    for (int truth = 0; truth <= 2; ++truth)
+      for (int stated = 0; stated <= 2; ++stated) {
+        const auto count = static_cast<std::size_t>(6 * perNormal);
+        std::vector<int> wrong(count), stopped(count), unknown(count);
+        parallelFor(count, availableThreads(), [&](std::size_t i) {
+          Setup s;
+          s.device = loadDevice(test::deviceFile(file));
+          s.delay = stated;
+          s.errors.delay = truth - stated;
+          s.normal = (i % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(static_cast<Eigen::Index>(i / 2 % 3));
+          s.seed = test::seed() * 1000000 + i;
+          test::Random random(s.seed);
+          Loop loop(s);
+          const Kinematics& home = loop.model().home();
+          const double most = largestForce(home, loop.model().limits().effort, home.pose.position, s.normal);
+          for (int tick = 0; tick < kTicks && stopped[i] == 0; ++tick) {
+            const double force = (tick < kOnset ? kLight : kPush) * most;
+            stopped[i] = !loop.step(force * random.uniform(0.9, 1.1));
+            wrong[i] += !loop.knowsDelay(truth);
+          }
+          unknown[i] = stopped[i] == 0 && !loop.knowsDelay(truth);
+        });
+        const auto sum = [](const std::vector<int>& v) { return std::accumulate(v.begin(), v.end(), 0); };
+        INFO(file << ", delay " << truth << ", stated " << stated);
+        CHECK(sum(unknown) == 0);
+        if (truth != stated) continue;
+        CHECK(sum(stopped) == 0);
+        CHECK(sum(wrong) < 0.02 * kTicks * static_cast<double>(count));
+      }
 }
 
 // The chatter of position control shakes the rotors behind the cables of the delta. Under a hard push the tool receives

@@ -65,6 +65,10 @@ TEST_CASE("a rounded reading leaves the moments of the cut Gaussian, and has its
 }
 
 #if defined(__x86_64__)
+struct Innovation {
+  Lane difference, variance;
+};
+
 TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]") {
   if (!__builtin_cpu_supports("avx2")) return test::skipTest("the processor has no AVX2");
   using Observer = PushObserver<4>;
@@ -85,6 +89,7 @@ TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]
     for (double& variance : begin.P[Observer::at(i, i)]) variance = 10.0;  // positive definite
   begin.modes = 6.0;
   begin.count = 3.0;  // an old one, two that end
+  begin.delays = 2.0;
   begin.age[1] = begin.age[2] = 1.0;
   Observer::States row;
   fill(random, row[0], sizeof row / sizeof(double));
@@ -92,10 +97,10 @@ TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]
   fill(random, command.data(), command.size());
   fill(random, reading.data(), reading.size());
   variance.fill(0.3);
-  const auto run = [&](const ObserverSteps<4>& steps, Observer::State& s, double& likelihood) {
+  const auto run = [&](const ObserverSteps<4>& steps, Observer::State& s, Innovation& seen) {
     s = begin;
     steps.predict(data, model, command, variance, s);
-    likelihood = steps.likelihood(2, model, reading, command, s);
+    steps.innovation(2, reading, s, seen.difference, seen.variance);
     steps.correct(data, model, 2, reading, s);
     steps.merge(s);
     steps.carry(model, command, reading, 0.1, s.mean);
@@ -105,10 +110,10 @@ TEST_CASE("the observer's steps give the same bits with AVX2", "[observer_steps]
     return steps.moments(s, row);
   };
   Observer::State wanted, found;
-  double likely = 0.0, alike = 0.0;
-  const Observer::Moments moments = run(kCableSteps, wanted, likely), same = run(kCableStepsAvx2, found, alike);
-  CHECK(std::isfinite(likely));
-  CHECK(likely == alike);
+  Innovation seen, alike;
+  const Observer::Moments moments = run(kCableSteps, wanted, seen), same = run(kCableStepsAvx2, found, alike);
+  CHECK(std::isfinite(seen.difference[0] + seen.variance[0]));
+  CHECK((seen.difference == alike.difference && seen.variance == alike.variance));
   CHECK(std::isfinite(moments.mean));
   CHECK(std::memcmp(&wanted, &found, sizeof wanted) == 0);
   CHECK((same.mean == moments.mean && same.deviation == moments.deviation));

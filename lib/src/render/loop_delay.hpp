@@ -13,6 +13,7 @@ struct LoopDelay {
   int low, pending;  ///< ticks; older commands that may act instead of the newest
   double acts;       ///< largest number of ticks in which a command acts: mean plus two standard deviations
   double reaction;   ///< reactionTime(), s
+  double least;      ///< smallest probability, so that the delay can be learnt again
 };
 
 class DelayEstimator {
@@ -24,7 +25,7 @@ class DelayEstimator {
     double probability[kMost];
   };
 
-  /// Delay 0 is that of the data. The others are constant: those of its range, one tick less, and one more.
+  /// Delay 0 is that of the data. The others are constant: those of its range, and up to two ticks less or more.
   explicit DelayEstimator(const ModeData& data);
 
   const LoopDelay& operator[](int i) const noexcept { return delays_[static_cast<std::size_t>(i)]; }
@@ -36,9 +37,11 @@ class DelayEstimator {
   State start() const noexcept;
   /// Return whether a saved state can be continued.
   bool accepts(const State& s) const noexcept;
-  /// Update by the logarithm of the likelihood of each constant delay in a tick, index: ticks. Returns the likeliest
-  /// delay; `likeliest`: before. Realtime: yes.
-  int learn(State& s, int likeliest, const double (&evidence)[kMaxLoopDelay + 1]) const noexcept;
+  int count() const noexcept { return static_cast<int>(delays_.size()); }
+  /// Logarithms of the likelihood of what a tick showed. Row: delay; column: ticks of the command that acted.
+  using Evidence = double[kMost][kMaxLoopDelay + 1];
+  /// Update by the evidence of a tick. Returns the likeliest delay; `likeliest`: before. Realtime: yes.
+  int learn(State& s, int likeliest, const Evidence& evidence) const noexcept;
 
  private:
   int shortest_, longest_;

@@ -26,7 +26,7 @@ struct ObserverSteps {
   void (*shift)(const Drive& drive, double stiffness, double seconds, State& s) noexcept;
   void (*weigh)(const Lane& innovation, const Lane& expected, const Lane& variance, const Lane& precision,
                 const Lane& largest, Evidence& seen) noexcept;  // a part of correct(), for its test
-  double (*likelihood)(int read, const Model& model, const Lane& reading, const Lane& more, const State& s) noexcept;
+  void (*innovation)(int read, const Lane& reading, const State& s, Lane& difference, Lane& variance) noexcept;
   void (*correct)(const ModeData& data, const Model& model, int read, const Lane& reading, State& s) noexcept;
   void (*merge)(State& s) noexcept;
   typename Observer::Moments (*moments)(const State& s, const States& row) noexcept;

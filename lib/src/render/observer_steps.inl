@@ -325,32 +325,27 @@ struct Steps {
       for (int i = 0; i < kMech; ++i) wide(s.byCable[i]) += (wide(m.value[i * kFree]) - (i == 0 ? 1.0 : 0.0)) * stretch;
     }
     propagate(m, command, none, 0.0, quiet, s.part[0].x, s.P);
+    for (int d = 0; d < static_cast<int>(s.delays); ++d) advance(m, s.byDelay[d]);
     for (int p = 1; p < static_cast<int>(s.count); ++p) advance(m, s.part[p].x);
     for (int p = 1; p < static_cast<int>(s.count); ++p) advance(m, s.part[p].g);
   }
 
-  // Logarithm of the likelihood of a reading of state `read`, up to a constant, if `more` had been added to the
-  // command. The rounding counts as Gaussian.
-  static double likelihood(int read, const Model& m, const Lane& reading, const Lane& more, const State& s) noexcept {
-    const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
-    const Wide seen = wide(reading) - wide(m.value[Numbers::kCommandAt + read]) * wide(more);
-    double square[kMost], volume[kMost], least = 1e300, sum = 0.0;
-    for (int p = 0; p < count; ++p) {
+  // Variance of the predicted state `read` because the stiffness of the cables is uncertain.
+  static Wide ofCable(int read, const State& s) noexcept {
+    return s.cableVariance * wide(s.byCable[read]) * wide(s.byCable[read]);
+  }
+
+  // Difference of a reading of state `read` from its prediction by all hypotheses, and the variance of this difference.
+  static void innovation(int read, const Lane& reading, const State& s, Lane& difference, Lane& variance) noexcept {
+    Wide mean = {}, square = {};  // relative to the first hypothesis
+    for (int p = 0; p < static_cast<int>(s.count); ++p) {
       const Hypothesis& h = s.part[p];
-      const Wide e = seen - wide(h.x[read]), g = wide(h.g[read]),
-                 variance = wide(s.P[at(read, read)]) + g * g * wide(h.v) + wide(s.readingVariance),
-                 squares = e * e / variance, volumes = variance / wide(s.readingVariance);
-      square[p] = 0.0;
-      volume[p] = 1.0;
-      for (int k = 0; k < modes; ++k) {
-        square[p] += squares[k];
-        volume[p] *= volumes[k];
-      }
-      least = std::min(least, square[p]);
+      const Wide away = wide(h.x[read]) - wide(s.part[0].x[read]), g = wide(h.g[read]);
+      mean += s.weight[p] * away;
+      square += s.weight[p] * (away * away + g * g * wide(h.v));
     }
-    for (int p = 0; p < count; ++p)
-      sum += s.weight[p] * std::exp(std::max(0.5 * (least - square[p]), kLeastLogarithm)) / std::sqrt(volume[p]);
-    return std::log(sum) - 0.5 * least;
+    wide(difference) = wide(reading) - wide(s.part[0].x[read]) - mean;
+    wide(variance) = wide(s.P[at(read, read)]) + ofCable(read, s) + square - mean * mean + wide(s.readingVariance);
   }
 
   // Correct every hypothesis and its weight by a reading of state `read`.
@@ -361,13 +356,14 @@ struct Steps {
     Evidence seen[kMost];
     Lane precision;
     wide(precision) = 1.0 / rootOf(wide(s.readingVariance));
+    const Wide unknown = ofCable(read, s);
     double square[kLanes] = {}, volume[kLanes], least = 1e300;
     wide(volume) = 1.0;
     for (int p = 0; p < count; ++p) {
       const Hypothesis& h = s.part[p];
       Lane e{}, expected;
       for (int k = 0; k < modes; ++k) e[k] = reading[k] - h.x[read][k];
-      wide(expected) = wide(s.P[at(read, read)]) + wide(h.v) * wide(h.g[read]) * wide(h.g[read]);
+      wide(expected) = wide(s.P[at(read, read)]) + unknown + wide(h.v) * wide(h.g[read]) * wide(h.g[read]);
       weigh(e, expected, s.readingVariance, precision, s.largestStep, seen[p]);
       for (int k = 0; k < modes; ++k) {
         square[p] += seen[p].square[k];
@@ -396,6 +392,11 @@ struct Steps {
     double sum = 0.0;
     for (int p = 0; p < count; ++p) sum += s.weight[p] *= likelihood[p];
     for (int p = 0; p < count; ++p) s.weight[p] /= sum;
+    for (int d = 0; d < static_cast<int>(s.delays); ++d) {
+      States& by = s.byDelay[d];
+      const Wide effect = wide(by[read]);
+      for (int i = 0; i < kScale; ++i) wide(by[i]) = wide(by[i]) - gain[i] * effect;
+    }
     if constexpr (kMech == 4) correctCable(data, m, read, seen, gain, s);
   }
 
@@ -507,5 +508,5 @@ template <int kMech>
 constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry,      Steps<kMech>::advanceSensitivity,
                                       Steps<kMech>::pullBack,   Steps<kMech>::predict,
                                       Steps<kMech>::shift,      Steps<kMech>::weigh,
-                                      Steps<kMech>::likelihood, Steps<kMech>::correct,
+                                      Steps<kMech>::innovation, Steps<kMech>::correct,
                                       Steps<kMech>::merge,      Steps<kMech>::moments};

@@ -16,9 +16,8 @@ namespace {
 // These numbers and kStick were chosen; all others are computed. lib/docs/position-control.md says what each trades.
 constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
 constexpr double kModelError = 0.15;  // share of the force that the model misses: robustness against stiffness
-constexpr double kReportScale = 0.03, kReportFloor = 0.002;  // deviations of a report: share of it, of the limit
-constexpr double kFalseReport = 0.05;                        // probability that a report is wrong
-constexpr double kVisible = 0.1;  // deviations of a reading: commands that differ by less do not teach the delay
+constexpr double kReportScale = 0.03, kReportFloor = 0.002;      // deviations of a report: share of it, of the limit
+constexpr double kFalseReport = 0.05;                            // probability that a report is wrong
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
 
 // Model of a person. A step has a deviation of 8 N, or a fifth of a weak device's largest force. The tremor is a
@@ -31,7 +30,7 @@ constexpr double kDoubtTime = 0.1, kMostDoubts = 12.0;  // s; more contradiction
 constexpr double kContradicts = 8.0;                    // deviations of an innovation that no push explains
 constexpr double kNear = 2e-5;    // m: a contact that stays farther outside for a tick carries no force
 constexpr int kRefreshTicks = 8;  // between two updates of the inertia
-static_assert(kMaxLoopDelay <= kMostPending);
+static_assert(kMaxLoopDelay <= kMostPending && DelayEstimator::kMost <= PushObserver<2>::kMostDelays);
 
 ModeData dataOf(const PositionControlOptions& o) {
   return {o.period, o.delayLow, o.delayHigh, o.drive, kPushShare, kForceCost, kModelError};
@@ -99,7 +98,10 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   const LoopDelay& delay() const noexcept override { return delays_[static_cast<int>(memory_.observer.design)]; }
   Rebound rebound() const noexcept { return {delay().reaction, options_.encoderStep}; }
   JointRow acting(int ahead) const noexcept;
-  void learnDelay(const TickFrame& frame, const Lane& reading, const Lane& command) noexcept;
+  Lane actedUnder(int delay) const noexcept;
+  void compareReport(const TickFrame& frame, DelayEstimator::Evidence& evidence) const noexcept;
+  void compareReading(const Lane& reading, DelayEstimator::Evidence& evidence) const noexcept;
+  void learnDelay(const TickFrame& frame, const Lane& reading) noexcept;
   void predict(const TickFrame& frame, const JointRow& reading, const JointRow& guide, Ahead& a) const noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
@@ -275,13 +277,20 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     for (int k = 0; k < joints_; ++k)
       variance[k] += (other[k] - command[k]) * (other[k] - command[k]) / (likeliest.pending + 1);
   }
+  m.observer.delays = frame.applied ? 0.0 : delays_.count();
+  if (frame.applied) std::memset(m.observer.byDelay, 0, sizeof m.observer.byDelay);
   for (int t = 0; t < ticks; ++t) {
     if (t > 0) observer_.merge(m.observer);
     observer_.predict(m.observer, command, variance);
+    for (int i = 0; i < static_cast<int>(m.observer.delays); ++i) {
+      Lane more = actedUnder(i);
+      for (int k = 0; k < kLanes; ++k) more[k] -= command[k];
+      observer_.advance(more, m.observer.byDelay[i]);
+    }
   }
   if (const double rest = elapsed - ticks * T; std::abs(rest) > 1e-6 * T) observer_.shift(m.observer, rest);
   if (frame.age == 0) {
-    if (ticks == 1) learnDelay(frame, y, command);
+    if (ticks == 1) learnDelay(frame, y);
     const bool contradicts = observer_.surprise(m.observer, y) > kContradicts;
     if (contradicts && m.contradictions == 0.0) {
       m.ignored += 1.0;
@@ -307,43 +316,86 @@ JointRow PositionControlRenderer::ControllerOf<kMech>::acting(int ahead) const n
   return mean;
 }
 
-// Learn the delay from a report of the torque, or else from the reading. `command` is the prediction's. If another
-// delay becomes the likeliest, its command replaces that.
+// The mean of the commands that may have acted under a delay, in modes.
 template <int kMech>
-void PositionControlRenderer::ControllerOf<kMech>::learnDelay(const TickFrame& frame, const Lane& reading,
-                                                              const Lane& command) noexcept {
-  Memory& m = memory_;
-  double evidence[kMaxLoopDelay + 1] = {};
-  if (frame.applied) {
-    for (int d = delays_.shortest(); d <= delays_.longest(); ++d) {
-      double square = 0.0;
-      for (int j = 0; j < joints_; ++j) {
-        const double report = (*frame.applied)[j] - frame.kinematics.gravity[j], error = report - m.sent[d][j],
-                     share = kReportScale * report, noise = kReportFloor * frame.maxTorque[j];
-        if (noise > 0.0) square += error * error / (share * share + noise * noise);
-      }
-      evidence[d] = std::log((1.0 - kFalseReport) * std::exp(-0.5 * square) + kFalseReport);
+Lane PositionControlRenderer::ControllerOf<kMech>::actedUnder(int delay) const noexcept {
+  const LoopDelay& d = delays_[delay];
+  JointRow mean{};
+  for (int i = 0; i <= d.pending; ++i)
+    for (int j = 0; j < joints_; ++j) mean[j] += memory_.sent[d.low + i][j] / (d.pending + 1);
+  return toModes(mean);
+}
+
+// Evidence of a report: one of the commands, with an error, or wrong.
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::compareReport(const TickFrame& frame,
+                                                                 DelayEstimator::Evidence& evidence) const noexcept {
+  for (int d = delays_.shortest(); d <= delays_.longest(); ++d) {
+    double square = 0.0;
+    for (int j = 0; j < joints_; ++j) {
+      const double report = (*frame.applied)[j] - frame.kinematics.gravity[j], error = report - memory_.sent[d][j],
+                   share = kReportScale * report, noise = kReportFloor * frame.maxTorque[j];
+      if (noise > 0.0) square += error * error / (share * share + noise * noise);
     }
-  } else {
-    Lane more[kMaxLoopDelay + 1];
-    double effect = 0.0;
-    for (int d = delays_.shortest(); d <= delays_.longest(); ++d) {
-      more[d] = toModes(m.sent[d]);
-      for (int k = 0; k < kLanes; ++k) more[d][k] -= command[k];
-      effect = std::max(effect, observer_.effect(m.observer, more[d]));
-    }
-    if (effect < kVisible) return;
-    for (int d = delays_.shortest(); d <= delays_.longest(); ++d)
-      evidence[d] = observer_.likelihood(m.observer, reading, more[d]);
+    const double likelihood = std::log((1.0 - kFalseReport) * std::exp(-0.5 * square) + kFalseReport);
+    for (int i = 0; i < delays_.count(); ++i) evidence[i][d] = likelihood;
   }
+}
+
+// Evidence of a reading: its difference from the prediction with the commands of each delay. Averaging readings does
+// not remove the rounding of encoders. So a mode counts only as far as the delays change its reading by more. Modes are
+// not independent: their information is averaged.
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::compareReading(const Lane& reading,
+                                                                  DelayEstimator::Evidence& evidence) const noexcept {
+  const typename Observer::State& s = memory_.observer;
+  Lane difference, variance, information{}, moved[DelayEstimator::kMost][kMaxLoopDelay + 1];
+  observer_.innovation(s, reading, difference, variance);
+  const auto& effect = observer_.commandEffect();
+  const auto forEach = [&](auto&& visit) {
+    for (int i = 0; i < delays_.count(); ++i)
+      for (int d = delays_[i].low; d <= delays_[i].low + delays_[i].pending; ++d) visit(i, d, moved[i][d]);
+  };
+  Lane sent[kMaxLoopDelay + 1], mean[DelayEstimator::kMost];
+  for (int d = delays_.shortest(); d <= delays_.longest(); ++d) sent[d] = toModes(memory_.sent[d]);
+  for (int i = 0; i < delays_.count(); ++i) mean[i] = actedUnder(i);
+  forEach([&](int i, int d, Lane& m) {
+    for (int k = 0; k < joints_; ++k) {
+      m[k] = s.byDelay[i][observer_.readState()][k] + effect[k] * (sent[d][k] - mean[i][k]);
+      information[k] += std::max(0.0, m[k] * m[k] - s.readingVariance[k]) / variance[k];
+    }
+  });
+  double sum = 0.0, squares = 0.0;
+  for (int k = 0; k < joints_; ++k) {
+    sum += information[k];
+    squares += information[k] * information[k];
+  }
+  if (!(sum > 0.0)) return;
+  double least = kLargestTorque;
+  forEach([&](int i, int d, const Lane& m) {
+    double scatter = 0.0;
+    for (int k = 0; k < joints_; ++k) {
+      const double error = difference[k] - m[k], square = error * error / variance[k];
+      if (information[k] > 0.0) evidence[i][d] -= 0.5 * squares / (sum * sum) * square;
+      scatter += information[k] / sum * square;
+    }
+    least = std::min(least, scatter);
+  });
+  if (least > 1.0) forEach([&](int i, int d, const Lane&) { evidence[i][d] /= least; });
+}
+
+// Learn the delay from a report of the torque, or else from the reading.
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::learnDelay(const TickFrame& frame, const Lane& reading) noexcept {
+  Memory& m = memory_;
+  DelayEstimator::Evidence evidence = {};
+  if (frame.applied)
+    compareReport(frame, evidence);
+  else
+    compareReading(reading, evidence);
   const int before = static_cast<int>(m.observer.design), likeliest = delays_.learn(m.delay, before, evidence);
   if (likeliest == before) return;
   observer_.use(m.observer, likeliest);
-  if (!frame.applied) {
-    Lane change = toModes(acting(0));
-    for (int k = 0; k < kLanes; ++k) change[k] -= command[k];
-    observer_.command(m.observer, change);
-  }
   observer_.refresh(m.observer);
 }
 

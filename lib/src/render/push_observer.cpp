@@ -94,6 +94,7 @@ template <int kMech>
 void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rate) const noexcept {
   s.count = 1.0;
   std::memset(s.byCable, 0, sizeof s.byCable);
+  std::memset(s.byDelay, 0, sizeof s.byDelay);
   Hypothesis& h = s.part[0];
   s.weight = s.age = Lane{};
   s.weight[0] = 1.0;
@@ -125,6 +126,15 @@ template <int kMech>
 void PushObserver<kMech>::use(State& s, int design) const noexcept {
   s.design = design;
   forget(s);
+  const auto shift = [](const States& by, States& x) {
+    for (int i = 0; i < kScale; ++i)
+      for (int k = 0; k < kLanes; ++k) x[i][k] += by[i][k];
+  };
+  for (int p = 0; p < static_cast<int>(s.count); ++p) shift(s.byDelay[design], s.part[p].x);
+  States back;
+  for (int i = 0; i < kStates; ++i)
+    for (int k = 0; k < kLanes; ++k) back[i][k] = -s.byDelay[design][i][k];
+  for (int d = 0; d < static_cast<int>(s.delays); ++d) shift(back, s.byDelay[d]);
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     for (int p = 0; p < static_cast<int>(s.count); ++p) s.part[p].x[kScale][k] = 0.0;
     for (int i = 0; i < kScale; ++i) s.P[at(kScale, i)][k] = 0.0;
@@ -156,6 +166,7 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
       }
       for (int j = 0; j <= i; ++j) s.P[at(i, j)][k] *= grows(i) * grows(j);
       s.byCable[i][k] *= grows(i);
+      for (int d = 0; d < static_cast<int>(s.delays); ++d) s.byDelay[d][i][k] *= grows(i);
     }
     read(s, k);
   }
@@ -222,6 +233,7 @@ void PushObserver<kMech>::rotate(State& s, int i, int j, double cosine, double s
   for (int n = 0; n < kScale; ++n) {
     turn(s.mean[n]);
     turn(s.byCable[n]);
+    for (int d = 0; d < static_cast<int>(s.delays); ++d) turn(s.byDelay[d][n]);
   }
 }
 
@@ -253,28 +265,9 @@ double PushObserver<kMech>::surprise(const State& s, const Lane& reading) const 
 }
 
 template <int kMech>
-double PushObserver<kMech>::effect(const State& s, const Lane& more) const noexcept {
-  const int read = readState();
-  double largest = 0.0;
-  for (int k = 0; k < static_cast<int>(s.modes); ++k) {
-    const double moves = model_.value[Numbers::kCommandAt + read][k] * more[k];
-    largest = std::max(largest, moves * moves / (s.P[at(read, read)][k] + s.readingVariance[k]));
-  }
-  return std::sqrt(largest);
-}
-
-template <int kMech>
-double PushObserver<kMech>::likelihood(const State& s, const Lane& reading, const Lane& more) const noexcept {
-  return steps<kMech>().likelihood(readState(), model_, reading, more, s);
-}
-
-template <int kMech>
-void PushObserver<kMech>::command(State& s, const Lane& more) const noexcept {
-  for (int p = 0; p < static_cast<int>(s.count); ++p)
-    for (int k = 0; k < kLanes; ++k) {
-      for (int i = 0; i < kMech; ++i) s.part[p].x[i][k] += model_.value[Numbers::kCommandAt + i][k] * more[k];
-      s.part[p].x[kLag][k] += (1.0 - model_.lagKept) * more[k];
-    }
+void PushObserver<kMech>::innovation(const State& s, const Lane& reading, Lane& difference,
+                                     Lane& variance) const noexcept {
+  steps<kMech>().innovation(readState(), reading, s, difference, variance);
 }
 
 template <int kMech>

@@ -34,8 +34,9 @@ class PushObserver {
   static constexpr int kLag = kMech, kPush = kMech + 1, kGrowth = kMech + 2, kScale = kMech + 3, kStates = kMech + 4;
   static constexpr int kPairs = kStates * (kStates + 1) / 2;  // of a symmetric matrix
   static constexpr int kMost = 1 + 2 * kBins;                 // hypotheses
-  static constexpr double kScalePrior = 0.3;                  // standard deviation of ln(mass) at the start
-  static constexpr double kCablePrior = 0.3;                  // of ln(stiffness of the cables)
+  static constexpr int kMostDelays = kMostPending + 2;
+  static constexpr double kScalePrior = 0.3;  // standard deviation of ln(mass) at the start
+  static constexpr double kCablePrior = 0.3;  // of ln(stiffness of the cables)
   static constexpr int at(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
 
   using Numbers = ModeNumbers<kMech>;
@@ -61,6 +62,9 @@ class PushObserver {
     double scale, scaleVariance;  // ln(mass / model's)
     // Cables: derivative of the mean by ln(stiffness / file's), that number, and its value in use.
     States byCable;
+    // For each delay in question: change of the mean if its commands had acted. The number of these delays.
+    States byDelay[kMostDelays];
+    double delays;
     double cable, cableVariance, usedCable;
   };
   /// Rounding of a mode's reading: its variance, the largest encoder step in it, and the joint with that step.
@@ -89,8 +93,8 @@ class PushObserver {
   void start(State& s, int modes, const Lane& reading) noexcept;
   /// Accept a reading and a rate that no hypothesis explains. Keeps the estimate of the mass.
   void believe(State& s, const Lane& reading, const Lane& rate) const noexcept;
-  /// Use another design, for another delay. Forgets mass and stiffness: they were learnt with the commands of a wrong
-  /// delay.
+  /// Use another design, for another delay, and the states with its commands. Forgets mass and stiffness: they were
+  /// learnt with the commands of a wrong delay.
   void use(State& s, int design) const noexcept;
   /// Update the model to the state's inertias and scale. reload(): restore the exact model of a saved state.
   void refresh(State& s) noexcept;
@@ -106,14 +110,10 @@ class PushObserver {
   void shift(State& s, double seconds) const noexcept;
   /// Return the largest innovation of a mode, in deviations, by the hypothesis that fits best.
   double surprise(const State& s, const Lane& reading) const noexcept;
-  /// Return by how many standard deviations the prediction of a reading would change if `more` had been added to the
-  /// last command, at most over the modes.
-  double effect(const State& s, const Lane& more) const noexcept;
-  /// Return the logarithm of the likelihood of a reading if `more` had been added to the last command, up to a
-  /// constant.
-  double likelihood(const State& s, const Lane& reading, const Lane& more) const noexcept;
-  /// Add `more` to the command of the last prediction.
-  void command(State& s, const Lane& more) const noexcept;
+  /// Difference of a reading from its prediction by all hypotheses, and the variance of this difference.
+  void innovation(const State& s, const Lane& reading, Lane& difference, Lane& variance) const noexcept;
+  /// Return the change of the predicted reading per unit of the last command.
+  const double (&commandEffect() const noexcept)[kLanes] { return model_.value[Numbers::kCommandAt + readState()]; }
   void correct(State& s, const Lane& reading) const noexcept;
   /// End old hypotheses and update mean, weights and scale.
   void merge(State& s) const noexcept;
