@@ -96,7 +96,7 @@ void Guard::forEachNumber(AnyState& s, const Visit& visit) {
     for (auto& number : *row) visit(number);
   for (auto& row : s.sent)
     for (auto& number : row) visit(number);
-  for (auto* account : {&s.commanded, &s.reported}) {
+  for (auto* account : {&s.commanded, &s.learnt, &s.reported}) {
     visit(account->energy);
     visit(account->misfit);
     visit(account->single);
@@ -375,7 +375,7 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
     frame.reason = GuardReason::waiting;
     return;
   }
-  if (!modes_.empty()) learnCables(frame.output.cables);
+  learn(frame.output);
   const double elapsed = m.time - s.time;
   const GuardReason read = measured(m, elapsed);
   const bool believed = read == GuardReason::none || read == GuardReason::clock || read == GuardReason::late;

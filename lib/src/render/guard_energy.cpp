@@ -94,9 +94,10 @@ void Guard::describeCables(const Mechanism& device) {
   mostMisfit_ = 1.0 + kSure * std::sqrt(1.5 * options_.period / (kMisfitTime * n_));
 }
 
-// Less than a step may be noise.
-void Guard::learnCables(double cables) noexcept {
-  const double steps = std::isfinite(cables) ? cables / kStiffnessStep : 0.0;
+// A change of the stiffness by less than a step may be noise.
+void Guard::learn(const TickOutput& output) noexcept {
+  delay_ = output.delay < 0 ? options_.delay : std::min(output.delay, kMostGuardDelay);
+  const double steps = std::isfinite(output.cables) ? output.cables / kStiffnessStep : 0.0;
   stiffness_ = static_cast<std::size_t>(kOfFile + static_cast<int>(std::clamp(steps, -1.0 * kOfFile, 1.0 * kOfFile)));
 }
 
@@ -143,7 +144,8 @@ const Guard::Row& Guard::nearestCommand(const JointVector& applied) const noexce
 }
 
 double Guard::energy() const noexcept {
-  return state_.reports ? std::max(state_.commanded.energy, state_.reported.energy) : state_.commanded.energy;
+  const double commanded = std::min(state_.commanded.energy, state_.learnt.energy);
+  return state_.reports ? std::max(commanded, state_.reported.energy) : commanded;
 }
 
 // Return the work of the cables on the links since the last sample, J. Kalman filters of the modes estimate the motion
@@ -244,13 +246,14 @@ GuardReason Guard::moved(const Measurement& m, const TickFrame& frame) noexcept 
   if (m.applied && !s.reports) s.reported = s.commanded;
   s.reports = s.reports || m.applied.has_value();
   // A report covers one tick. After lost samples the mean of the commands is used instead.
-  Row commanded = s.ticks == 1.0 ? s.sent[o.delay] : s.acting, reported = commanded;
+  const auto sent = [&](int delay) { return s.ticks == 1.0 ? s.sent[delay] : s.acting; };
+  Row commanded = sent(o.delay), learnt = sent(delay_), reported = commanded;
   if (m.applied && s.ticks == 1.0) {
     const int unlikely = unlikelyJoint(*m.applied);
     const Row& nearest = nearestCommand(*m.applied);
     compareReport(*m.applied, nearest, elapsed);
     if (unlikely < 0) {
-      reported = commanded = nearest;
+      reported = commanded = learnt = nearest;
       for (int i = 0; i < n_; ++i)
         if (isDriven(i)) reported[i] = (*m.applied)[i];
     } else {
@@ -259,6 +262,11 @@ GuardReason Guard::moved(const Measurement& m, const TickFrame& frame) noexcept 
     }
   }
   double force = book(m, frame, commanded, s.commanded);
+  // The renderer may be wrong for a while. So its delay has an account of its own, and the smaller one counts.
+  if (delay_ == o.delay)
+    s.learnt = s.commanded;
+  else
+    book(m, frame, learnt, s.learnt);
   if (s.reports) force = std::max(force, book(m, frame, reported, s.reported));
   s.peak = std::max(s.peak, force);
   if (!(s.peak <= kLargestEnergy)) s.peak = 0.0;  // meaningless numbers

@@ -561,6 +561,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   const JointRow guide = guideOf(frame);
   output.saturated = false;
   output.cables = m.observer.cable;
+  output.delay = delay().pending == 0 ? delay().low : -1;
   if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {
     repeat(kin, guide, output);
     return Status::ok;

@@ -70,6 +70,7 @@ struct TickOutput {
   /// The same for each contact: how the force divides between movable obstacles. All 0: it acts at the deepest contact.
   std::array<double, kMaxContacts> normalForces{};
   double cables = 0.0;  ///< ln(stiffness of the cables over the device file's), as the renderer has learnt it
+  int delay = -1;       ///< constant delay of the commands, ticks, as the renderer has learnt it; -1: not known
 };
 
 /// Data of one tick, in SI units. Poses, twists and contacts are in W. Joint vectors have n entries.

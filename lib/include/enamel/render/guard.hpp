@@ -53,7 +53,7 @@ struct GuardOptions {
   JointVector encoderStep;  ///< encoder step of each joint, rad or m
   /// Transmission between motors and links. Behind cables the energy account has only the work on the links.
   Drive drive;
-  int delay = 0;        ///< delay of the commands, ticks; used if the device does not report the torque
+  int delay = 0;        ///< delay of the commands, ticks; used if neither the device nor the renderer knows better
   int longestGap = 4;   ///< longest time between two ticks or two samples, periods
   int mostMissed = 10;  ///< largest number of missed ticks and samples; each tick forgets 1 % of them
 
@@ -199,6 +199,7 @@ class Guard {
     Row from{}, fromGravity{};            // torques at the start of a fault's ramp
     int rampTicks = 0;                    // ticks since that start
     Account commanded, reported;          // from the guard's commands; from the device's reports
+    Account learnt;                       // from the commands of the delay that the renderer has learnt
     bool reports = false;                 // the device has reported a torque
     std::array<Row, kReportLags> sent{};  // torques applied at the last ticks, newest first
     // Means of report times command, of the oldest command squared, and of the squared error of the report.
@@ -220,7 +221,7 @@ class Guard {
   GuardReason moved(const Measurement& m, const TickFrame& frame) noexcept;
   Modes modesOf(const Mechanism& device, const Drive& drive) const;
   void describeCables(const Mechanism& device);
-  void learnCables(double cables) noexcept;
+  void learn(const TickOutput& output) noexcept;
   double workOnLinks(const Row& torque, const Row& step, double elapsed, Account& account) const noexcept;
   int read() const noexcept { return options_.drive.encoderOnLink ? kLink : kRotor; }  // the state that encoders read
   int unlikelyJoint(const JointVector& applied) const noexcept;
@@ -242,6 +243,7 @@ class Guard {
   bool damped_;
   std::vector<Modes> modes_;             // of devices with cables: for several stiffnesses
   std::size_t stiffness_ = 0;            // the one that the renderer has learnt
+  int delay_ = 0;                        // of the commands, ticks: learnt by the renderer, or of the options
   double lag_ = 0.0, mostMisfit_ = 0.0;  // of the motors behind cables, 1/s; of a model that the readings do not refute
   JointVector most_;                     // the motors' own limits, N m or N
   Row weight_{};                         // weight of a joint in a comparison of torques: 1 / most_^2
