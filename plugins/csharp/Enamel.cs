@@ -269,6 +269,61 @@ namespace Enamel
         public double cell;
         public int active;
         public int reserved;
+        public IntPtr solid;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct EnamelLabelLayer
+    {
+        public EnamelMaterial material;
+        public double hardness;
+        public IntPtr labels;
+        public UIntPtr label_count;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct EnamelLabels
+    {
+        public uint size;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public int[] voxels;
+        public IntPtr labels;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] spacing;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] origin;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 9)] public double[] axes;
+        public IntPtr layers;
+        public UIntPtr layer_count;
+        public double smoothing;
+        public double cell;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct EnamelCutDifference
+    {
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public double[] over_cut;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public double[] under_cut;
+        public double area;
+        public double mean;
+        public double p95;
+        public double deepest;
+        public double highest;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct EnamelCutComparison
+    {
+        public uint size;
+        public int reserved;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public double[] removed;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public double[] planned;
+        public EnamelCutDifference whole;
+        public EnamelCutDifference floors;
+        public EnamelCutDifference walls;
+        public IntPtr vertices;
+        public IntPtr distance;
+        public IntPtr prepared;
+        public IntPtr triangles;
+        public UIntPtr vertex_count;
+        public UIntPtr triangle_count;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -438,10 +493,37 @@ namespace Enamel
         public static extern int enamel_restore(IntPtr session, EnamelObstacle obstacle);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_mark(IntPtr session, EnamelObstacle obstacle);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_undo(IntPtr session, EnamelObstacle obstacle);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_solid_bricks(IntPtr session, EnamelObstacle obstacle, out int count);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_take_surface(IntPtr session, EnamelObstacle obstacle, ref EnamelSurface surface);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_solid_load([MarshalAs(UnmanagedType.LPUTF8Str)] string file, out IntPtr solid, EnamelMessage message);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_labels_defaults(ref EnamelLabels labels);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_solid_from_labels(ref EnamelLabels labels, out IntPtr solid, EnamelMessage message);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_solid_copy(IntPtr session, EnamelObstacle obstacle, out IntPtr solid);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern void enamel_solid_destroy(IntPtr solid);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_solid_save(IntPtr solid, [MarshalAs(UnmanagedType.LPUTF8Str)] string file, EnamelMessage message);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_solid_compare(IntPtr solid, ref EnamelObstacleDef target, double[] axis, ref EnamelCutComparison comparison, EnamelMessage message);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_set_guides(IntPtr session, EnamelGuide[] guides, UIntPtr guide_count);

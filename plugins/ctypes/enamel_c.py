@@ -11,8 +11,8 @@ The structs and functions have the names and contracts of enamel/c/enamel.h. Err
 import ctypes
 import os
 import weakref
-from ctypes import (CFUNCTYPE, POINTER, Structure, byref, c_char_p, c_double, c_int32, c_size_t, c_uint32, c_uint64,
-                    c_void_p)
+from ctypes import (CFUNCTYPE, POINTER, Structure, byref, c_char_p, c_double, c_int32, c_size_t, c_uint16, c_uint32,
+                    c_uint64, c_void_p)
 
 # generated from enamel.h: begin
 ENAMEL_OK = 0
@@ -402,6 +402,61 @@ class EnamelObstacleDef(Structure):
         ("cell", c_double),
         ("active", c_int32),
         ("reserved", c_int32),
+        ("solid", c_void_p),
+    ]
+
+
+class EnamelLabelLayer(Structure):
+    _fields_ = [
+        ("material", EnamelMaterial),
+        ("hardness", c_double),
+        ("labels", POINTER(c_int32)),
+        ("label_count", c_size_t),
+    ]
+
+
+class EnamelLabels(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("voxels", (c_int32 * 3)),
+        ("labels", POINTER(c_uint16)),
+        ("spacing", (c_double * 3)),
+        ("origin", (c_double * 3)),
+        ("axes", (c_double * 9)),
+        ("layers", POINTER(EnamelLabelLayer)),
+        ("layer_count", c_size_t),
+        ("smoothing", c_double),
+        ("cell", c_double),
+    ]
+
+
+class EnamelCutDifference(Structure):
+    _fields_ = [
+        ("over_cut", (c_double * 8)),
+        ("under_cut", (c_double * 8)),
+        ("area", c_double),
+        ("mean", c_double),
+        ("p95", c_double),
+        ("deepest", c_double),
+        ("highest", c_double),
+    ]
+
+
+class EnamelCutComparison(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_int32),
+        ("removed", (c_double * 8)),
+        ("planned", (c_double * 8)),
+        ("whole", EnamelCutDifference),
+        ("floors", EnamelCutDifference),
+        ("walls", EnamelCutDifference),
+        ("vertices", POINTER(c_double)),
+        ("distance", POINTER(c_double)),
+        ("prepared", POINTER(c_int32)),
+        ("triangles", POINTER(c_int32)),
+        ("vertex_count", c_size_t),
+        ("triangle_count", c_size_t),
     ]
 
 
@@ -518,8 +573,17 @@ _FUNCTIONS = {
     "enamel_activate": (c_int32, [c_void_p, EnamelObstacle, c_int32]),
     "enamel_move_vertices": (c_int32, [c_void_p, EnamelObstacle, POINTER(c_int32), POINTER(c_double), c_size_t]),
     "enamel_restore": (c_int32, [c_void_p, EnamelObstacle]),
+    "enamel_mark": (c_int32, [c_void_p, EnamelObstacle]),
+    "enamel_undo": (c_int32, [c_void_p, EnamelObstacle]),
     "enamel_solid_bricks": (c_int32, [c_void_p, EnamelObstacle, POINTER(c_int32)]),
     "enamel_take_surface": (c_int32, [c_void_p, EnamelObstacle, POINTER(EnamelSurface)]),
+    "enamel_solid_load": (c_int32, [c_char_p, POINTER(c_void_p), EnamelMessage]),
+    "enamel_labels_defaults": (c_int32, [POINTER(EnamelLabels)]),
+    "enamel_solid_from_labels": (c_int32, [POINTER(EnamelLabels), POINTER(c_void_p), EnamelMessage]),
+    "enamel_solid_copy": (c_int32, [c_void_p, EnamelObstacle, POINTER(c_void_p)]),
+    "enamel_solid_destroy": (None, [c_void_p]),
+    "enamel_solid_save": (c_int32, [c_void_p, c_char_p, EnamelMessage]),
+    "enamel_solid_compare": (c_int32, [c_void_p, POINTER(EnamelObstacleDef), POINTER(c_double), POINTER(EnamelCutComparison), EnamelMessage]),
     "enamel_set_guides": (c_int32, [c_void_p, POINTER(EnamelGuide), c_size_t]),
     "enamel_set_tool": (c_int32, [c_void_p, POINTER(EnamelTool), POINTER(EnamelBur)]),
     "enamel_set_renderer": (c_int32, [c_void_p, c_char_p, POINTER(EnamelParameter), c_size_t]),

@@ -19,11 +19,11 @@ PYTHON = "plugins/ctypes/enamel_c.py"
 CSHARP = "plugins/csharp/Enamel.cs"
 BEGIN, END = "generated from enamel.h: begin", "generated from enamel.h: end"
 
-SIZES = {"double": 8, "uint64_t": 8, "uint32_t": 4, "int32_t": 4, "size_t": 8}
+SIZES = {"double": 8, "uint64_t": 8, "uint32_t": 4, "int32_t": 4, "uint16_t": 2, "size_t": 8}
 PYTHON_TYPES = {"double": "c_double", "uint64_t": "c_uint64", "uint32_t": "c_uint32", "int32_t": "c_int32",
-                "size_t": "c_size_t", "void": "None"}
-CSHARP_TYPES = {"double": "double", "uint64_t": "ulong", "uint32_t": "uint", "int32_t": "int", "size_t": "UIntPtr",
-                "void": "void"}
+                "uint16_t": "c_uint16", "size_t": "c_size_t", "void": "None"}
+CSHARP_TYPES = {"double": "double", "uint64_t": "ulong", "uint32_t": "uint", "int32_t": "int", "uint16_t": "ushort",
+                "size_t": "UIntPtr", "void": "void"}
 
 
 class Member:

@@ -218,7 +218,8 @@ void check(const Combination& c) {
                                             << ": " << result.given << " J, " << result.change << " N a tick");
   CHECK(result.fault == GuardReason::none);
   CHECK(result.given < 1e-3);  // as for one rough surface
-  CHECK(result.change <= std::max(1.5 * place->second, held));
+  // On the delta without delay a plain wall swings as far as it can (lib/docs/stability.md).
+  if (c[kDevice] != 1 || c[kDelay] != 0) CHECK(result.change <= std::max(1.5 * place->second, held));
   if (c[kBur] > 0 && c[kSupport] == 0) CHECK((result.removed > 0.0) == (c[kBur] < 3));
 }
 
@@ -275,6 +276,8 @@ TEST_CASE("combinations: some that needed a repair", "[combinations]") {
   check({0, 1, 2, 1, 3, 1, 1, 2, 0});  // a bur sank into a layer while it cut
   check({2, 0, 0, 2, 1, 0, 2, 2, 1});  // it pierced the layer, and cut the ground away under itself
   check({1, 1, 1, 1, 2, 0, 1, 1, 0});  // a new contact forgot how deep a layer was pressed
+  check({0, 0, 0, 2, 0, 2, 2, 0, 0});  // a god object on the surface said where the ground of a broken layer was
+  check({0, 1, 0, 1, 2, 0, 2, 2, 1});  // a loose tooth swung in the groove of the bur
 }
 
 TEST_CASE("combinations: random ones", "[combinations]") {
@@ -283,9 +286,7 @@ TEST_CASE("combinations: random ones", "[combinations]") {
   for (int i = 0; i < 3000; ++i) {
     Combination c;
     for (int a = 0; a < kFactors; ++a) c[a] = static_cast<int>(random.uniform(0.0, kSettings[a]));
-    const bool cutsLooseTooth = c[kSupport] == 2 && (c[kBur] == 1 || c[kBur] == 2);  // lib/docs/movable.md
-    const bool chatters = c[kDevice] == 1 && c[kDelay] == 0;  // so does its plain wall: lib/docs/stability.md
-    if (!cutsLooseTooth && !chatters) check(c);
+    check(c);
   }
 }
 

@@ -317,6 +317,14 @@ TEST_CASE("NULL and wrong sizes are errors of every function", "[c]") {
                                     enamel_activate(nullptr, id, 1),
                                     enamel_move_vertices(nullptr, id, &flag, numbers, 1),
                                     enamel_restore(nullptr, id),
+                                    enamel_mark(nullptr, id),
+                                    enamel_undo(nullptr, id),
+                                    enamel_solid_load(nullptr, nullptr, {nullptr, 0}),
+                                    enamel_labels_defaults(nullptr),
+                                    enamel_solid_from_labels(nullptr, nullptr, {nullptr, 0}),
+                                    enamel_solid_copy(nullptr, id, nullptr),
+                                    enamel_solid_save(nullptr, "x", {nullptr, 0}),
+                                    enamel_solid_compare(nullptr, &def, nullptr, nullptr, {nullptr, 0}),
                                     enamel_set_guides(nullptr, nullptr, 0),
                                     enamel_set_tool(nullptr, nullptr, nullptr),
                                     enamel_set_renderer(nullptr, "hold", nullptr, 0),
@@ -341,6 +349,7 @@ TEST_CASE("NULL and wrong sizes are errors of every function", "[c]") {
     CHECK(result == ENAMEL_NULL);
   enamel_session_destroy(nullptr);
   enamel_virtual_destroy(nullptr);
+  enamel_solid_destroy(nullptr);
   enamel_vector_from_unity(nullptr);
   enamel_rotation_to_unity(nullptr, nullptr);
 
@@ -428,35 +437,86 @@ TEST_CASE("errors have the reason of the library, and change nothing", "[c]") {
   CHECK_THAT(session.message(), ContainsSubstring("a clutch needs a workspace map"));
 }
 
-TEST_CASE("a solid is cut, and its changed bricks come as triangles", "[c]") {
-  EnamelSessionDef def = defaults();
-  const EnamelPose start{{0, 0, 5e-3}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  EnamelTool tool{};
+namespace {
+
+// A cube of 8 mm that a bur can cut.
+struct Cube {
+  std::vector<double> vertices;
+  std::vector<std::int32_t> triangles;
+  EnamelLayer layer{
+      {std::numeric_limits<double>::infinity(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 0.2e9, 0.0};
+  EnamelObstacleDef def = obstacle("cube", ENAMEL_SOLID, 0.0);
+
+  Cube() {
+    const TriangleMesh box = test::boxMesh(Vec3::Constant(4e-3));
+    for (const Vec3& v : box.vertices) vertices.insert(vertices.end(), v.data(), v.data() + 3);
+    for (const auto& t : box.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
+    def.vertices = vertices.data();
+    def.vertex_count = box.vertices.size();
+    def.triangles = triangles.data();
+    def.triangle_count = box.triangles.size();
+    def.layers = &layer;
+    def.layer_count = 1;
+    def.cell = 2e-4;
+  }
+  Cube(const Cube&) = delete;
+  Cube& operator=(const Cube&) = delete;
+};
+
+// A session with a bur above the cube.
+EnamelSessionDef drilling() {
+  static const EnamelPose start{{0, 0, 5e-3}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  static const EnamelBur bur{sizeof(EnamelBur), 0, 0.5, 2000.0, 1e-3, 0.0, 0.3, 5e-6, 6};
+  static EnamelTool tool{};
   tool.size = sizeof tool;
   tool.count = 1;
   tool.parts[0].radius = 1e-3;
-  EnamelBur bur{sizeof(EnamelBur), 0, 0.5, 2000.0, 1e-3, 0.0, 0.3, 5e-6, 6};
+  EnamelSessionDef def = defaults();
   def.start = &start;
   def.tool = &tool;
   def.bur = &bur;
-  const Handle session(def);
-  std::vector<double> vertices;
-  std::vector<std::int32_t> triangles;
-  const TriangleMesh box = test::boxMesh(Vec3::Constant(4e-3));
-  for (const Vec3& v : box.vertices) vertices.insert(vertices.end(), v.data(), v.data() + 3);
-  for (const auto& t : box.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
-  const EnamelLayer layer{
-      {std::numeric_limits<double>::infinity(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 0.2e9, 0.0};
-  EnamelObstacleDef cube = obstacle("cube", ENAMEL_SOLID, 0.0);
-  cube.vertices = vertices.data();
-  cube.vertex_count = box.vertices.size();
-  cube.triangles = triangles.data();
-  cube.triangle_count = box.triangles.size();
-  cube.layers = &layer;
-  cube.layer_count = 1;
-  cube.cell = 2e-4;
+  return def;
+}
+
+// Press on what is below the tool.
+void pressFor(EnamelSession* session, EnamelVirtualDevice* device, int ticks) {
+  for (int i = 0; i < ticks; ++i) {
+    EnamelMeasurement measurement{};
+    measurement.size = sizeof measurement;
+    EnamelPose pose{};
+    double effort[ENAMEL_MAX_JOINTS], twist[6], wrench[6];
+    REQUIRE(enamel_virtual_measure(device, &measurement) == ENAMEL_OK);
+    REQUIRE(enamel_tick(session, &measurement, effort) == ENAMEL_OK);
+    REQUIRE(enamel_virtual_state(device, &pose, twist) == ENAMEL_OK);
+    for (int j = 0; j < 6; ++j) wrench[j] = (j < 3 ? -20.0 : -0.05) * twist[j];
+    wrench[2] -= 2.0;
+    REQUIRE(enamel_virtual_actuate(device, effort) == ENAMEL_OK);
+    REQUIRE(enamel_virtual_advance(device, wrench) == ENAMEL_OK);
+  }
+}
+
+// The solid of a session with all of its cuts.
+EnamelSolid* cutOf(EnamelSession* session, EnamelObstacle id) {
+  EnamelSolid* solid = nullptr;
+  REQUIRE(enamel_stop(session) == ENAMEL_OK);
+  REQUIRE(enamel_solid_copy(session, id, &solid) == ENAMEL_OK);
+  return solid;
+}
+
+EnamelCutComparison compared(EnamelSolid* solid, const EnamelObstacleDef& target) {
+  EnamelCutComparison comparison{};
+  comparison.size = sizeof comparison;
+  REQUIRE(enamel_solid_compare(solid, &target, nullptr, &comparison, {nullptr, 0}) == ENAMEL_OK);
+  return comparison;
+}
+
+}  // namespace
+
+TEST_CASE("a solid is cut, and its changed bricks come as triangles", "[c]") {
+  const Handle session(drilling());
+  const Cube cube;
   EnamelObstacle id{};
-  REQUIRE(enamel_add(session, &cube, &id) == ENAMEL_OK);
+  REQUIRE(enamel_add(session, &cube.def, &id) == ENAMEL_OK);
 
   std::vector<double> points(3 * ENAMEL_SURFACE_VERTICES), normals(3 * ENAMEL_SURFACE_VERTICES);
   std::vector<std::int32_t> layers(ENAMEL_SURFACE_VERTICES), corners(3 * ENAMEL_SURFACE_TRIANGLES);
@@ -489,19 +549,7 @@ TEST_CASE("a solid is cut, and its changed bricks come as triangles", "[c]") {
   EnamelVirtualDevice* device = nullptr;
   REQUIRE(enamel_virtual_create(session, &device) == ENAMEL_OK);
   REQUIRE(enamel_spin(session, 1) == ENAMEL_OK);
-  for (int i = 0; i < 400; ++i) {
-    EnamelMeasurement measurement{};
-    measurement.size = sizeof measurement;
-    EnamelPose pose{};
-    double effort[ENAMEL_MAX_JOINTS], twist[6], wrench[6];
-    REQUIRE(enamel_virtual_measure(device, &measurement) == ENAMEL_OK);
-    REQUIRE(enamel_tick(session, &measurement, effort) == ENAMEL_OK);
-    REQUIRE(enamel_virtual_state(device, &pose, twist) == ENAMEL_OK);
-    for (int j = 0; j < 6; ++j) wrench[j] = (j < 3 ? -20.0 : -0.05) * twist[j];
-    wrench[2] -= 2.0;
-    REQUIRE(enamel_virtual_actuate(device, effort) == ENAMEL_OK);
-    REQUIRE(enamel_virtual_advance(device, wrench) == ENAMEL_OK);
-  }
+  pressFor(session, device, 400);
   enamel_virtual_destroy(device);
   CHECK(snapshotOf(session).removed[0] > 0.0);
   double lowest = 1.0;
@@ -527,6 +575,126 @@ TEST_CASE("a solid is cut, and its changed bricks come as triangles", "[c]") {
   molar.file = "no such mesh.ply";
   CHECK(enamel_add(session, &molar, &id) == ENAMEL_FAILED);
   CHECK_THAT(session.message(), ContainsSubstring("no such mesh.ply"));
+}
+
+TEST_CASE("a stroke is undone; a cut solid is copied, saved, loaded, compared, and added again", "[c]") {
+  const Handle session(drilling());
+  const Cube cube;
+  EnamelObstacle id{};
+  REQUIRE(enamel_add(session, &cube.def, &id) == ENAMEL_OK);
+  EnamelObstacleDef whole = cube.def;  // the target: nothing should be cut
+  whole.shape = ENAMEL_MESH;
+  EnamelVirtualDevice* device = nullptr;
+  REQUIRE(enamel_virtual_create(session, &device) == ENAMEL_OK);
+  REQUIRE(enamel_spin(session, 1) == ENAMEL_OK);
+  REQUIRE(enamel_mark(session, id) == ENAMEL_OK);
+  pressFor(session, device, 400);
+
+  EnamelSolid* const cut = cutOf(session, id);
+  const EnamelCutComparison found = compared(cut, whole);
+  CHECK(found.removed[0] > 1e-10);
+  CHECK(found.removed[0] == Approx(snapshotOf(session).removed[0]).epsilon(0.1));  // the sum of many cuts
+  CHECK(found.planned[0] == Approx(0.0).margin(1e-15));
+  CHECK(found.whole.over_cut[0] == Approx(found.removed[0]).epsilon(1e-6));
+  CHECK(found.whole.deepest > 1e-4);
+  REQUIRE(found.vertex_count > 0);
+  double deepest = 0.0;
+  int prepared = 0;
+  for (std::size_t i = 0; i < found.vertex_count; ++i) {
+    deepest = std::max(deepest, -found.distance[i]);
+    prepared += found.prepared[i];
+    CHECK(std::abs(found.vertices[3 * i]) < 4.1e-3);
+  }
+  CHECK(deepest == Approx(found.whole.deepest));
+  CHECK(prepared > 0);
+  for (std::size_t i = 0; i < 3 * found.triangle_count; ++i)
+    CHECK(found.triangles[i] < static_cast<std::int32_t>(found.vertex_count));
+
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "cut.solid";
+  REQUIRE(enamel_solid_save(cut, file.c_str(), {nullptr, 0}) == ENAMEL_OK);
+  EnamelSolid* loaded = nullptr;
+  REQUIRE(enamel_solid_load(file.c_str(), &loaded, {nullptr, 0}) == ENAMEL_OK);
+  CHECK(compared(loaded, whole).removed[0] == found.removed[0]);
+  EnamelObstacleDef again = obstacle("again", ENAMEL_SOLID, 0.0);
+  again.solid = loaded;
+  CHECK(compared(cut, again).whole.over_cut[0] < 0.01 * found.removed[0]);
+  EnamelObstacle other{};
+  REQUIRE(enamel_add(session, &again, &other) == ENAMEL_OK);
+  enamel_solid_destroy(loaded);  // the session keeps its own
+  loaded = cutOf(session, other);
+  CHECK(compared(loaded, whole).removed[0] == found.removed[0]);
+  enamel_solid_destroy(loaded);
+  REQUIRE(enamel_remove(session, other) == ENAMEL_OK);
+
+  REQUIRE(enamel_spin(session, 0) == ENAMEL_OK);
+  REQUIRE(enamel_undo(session, id) == ENAMEL_OK);
+  REQUIRE(enamel_undo(session, id) == ENAMEL_OK);  // without a stroke
+  pressFor(session, device, 1);
+  EnamelSolid* const undone = cutOf(session, id);
+  CHECK(compared(undone, whole).removed[0] == 0.0);
+  enamel_solid_destroy(undone);
+  enamel_virtual_destroy(device);
+
+  char text[200];
+  CHECK(enamel_solid_load("no such tooth.solid", &loaded, {text, sizeof text}) == ENAMEL_FAILED);
+  CHECK_THAT(text, ContainsSubstring("no such tooth.solid"));
+  CHECK(loaded == nullptr);
+  EnamelCutComparison wrong{};
+  CHECK(enamel_solid_compare(cut, &whole, nullptr, &wrong, {text, sizeof text}) == ENAMEL_SIZE);
+  wrong.size = sizeof wrong;
+  whole.shape = ENAMEL_BOX;
+  CHECK(enamel_solid_compare(cut, &whole, nullptr, &wrong, {text, sizeof text}) == ENAMEL_FAILED);
+  CHECK_THAT(text, ContainsSubstring("ENAMEL_MESH"));
+  enamel_solid_destroy(cut);
+  EnamelObstacleDef wall = obstacle("wall", ENAMEL_HALF_SPACE, -0.05);
+  REQUIRE(enamel_add(session, &wall, &other) == ENAMEL_OK);
+  EnamelSolid* none = nullptr;
+  for (const std::int32_t result :
+       {enamel_mark(session, other), enamel_undo(session, other), enamel_solid_copy(session, other, &none)}) {
+    CHECK(result == ENAMEL_FAILED);
+    CHECK_THAT(session.message(), ContainsSubstring("it is not a solid"));
+  }
+}
+
+TEST_CASE("labels of voxels become a solid", "[c]") {
+  constexpr int kSize = 24;
+  constexpr double kSpacing = 1e-4, kRadius = 9e-4;
+  std::vector<std::uint16_t> voxels;
+  for (int i = 0; i < kSize * kSize * kSize; ++i) {
+    const Vec3 place(i % kSize, i / kSize % kSize, i / kSize / kSize);
+    const double distance = (kSpacing * (place - Vec3::Constant(0.5 * (kSize - 1)))).norm();
+    voxels.push_back(distance < 0.5 * kRadius ? 7 : distance < kRadius ? 3 : 0);
+  }
+  EnamelLabels labels{};
+  REQUIRE(enamel_labels_defaults(&labels) == ENAMEL_OK);
+  const std::int32_t outer = 3, inner = 7;
+  EnamelMaterial rigid{};
+  rigid.stiffness = std::numeric_limits<double>::infinity();
+  const EnamelLabelLayer layers[] = {{rigid, 3.4e9, &outer, 1}, {rigid, 0.6e9, &inner, 1}};
+  for (std::int32_t& count : labels.voxels) count = kSize;
+  labels.labels = voxels.data();
+  labels.layers = layers;
+  labels.layer_count = 2;
+  for (double& start : labels.origin) start = -0.5 * (kSize - 1) * kSpacing;
+  EnamelSolid* ball = nullptr;
+  REQUIRE(enamel_solid_from_labels(&labels, &ball, {nullptr, 0}) == ENAMEL_OK);
+  EnamelObstacleDef itself = obstacle("ball", ENAMEL_SOLID, 0.0);
+  itself.solid = ball;
+  const EnamelCutComparison found = compared(ball, itself);
+  CHECK(found.removed[0] + found.removed[1] == 0.0);
+  REQUIRE(found.vertex_count > 0);
+  for (std::size_t i = 0; i < found.vertex_count; ++i)  // half a voxel
+    CHECK(Vec3(Eigen::Map<const Vec3>(found.vertices + 3 * i)).norm() == Approx(kRadius).margin(0.5 * kSpacing));
+  enamel_solid_destroy(ball);
+
+  char text[200];
+  labels.voxels[2] = 1 << 28;
+  CHECK(enamel_solid_from_labels(&labels, &ball, {text, sizeof text}) == ENAMEL_FAILED);
+  CHECK_THAT(text, ContainsSubstring("1 to 2^28 voxels"));
+  labels.size = 0;
+  CHECK(enamel_solid_from_labels(&labels, &ball, {text, sizeof text}) == ENAMEL_SIZE);
+  CHECK(ball == nullptr);
 }
 
 TEST_CASE("an own mechanism and an own device, in a loop of their own", "[c][threads]") {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "enamel/collision/scene_file.hpp"
+#include "enamel/render/drill.hpp"
 #include "plugin/convert.hpp"
 #include "support/bench.hpp"
 #include "support/catch.hpp"
@@ -443,6 +444,75 @@ TEST_CASE("compliance: a layer of a solid ends where the next one begins, also a
   Bench bench(setting);
   for (int i = 0; i < 300; ++i) REQUIRE(bench.press(4.0));
   CHECK(bench.haptics->frame().contacts.contacts[0].material.thickness == 2e-4);
+}
+
+TEST_CASE("compliance: a bur that starts in a pressed layer comes out of it without breaking it", "[compliance]") {
+  const auto solid = std::make_shared<Solid>(
+      MeshModel(test::boxMesh({3e-3, 3e-3, 2e-3})),
+      std::vector<SolidLayer>{{"caries", layer(4e3, 1.5, 1e-3, 3.0, 8.0), 5e8, 0.0, nullptr}}, SolidOptions{1e-4});
+  Bench::Setting setting;
+  setting.device = "tau-nominal.toml";
+  setting.obstacle.name = "tooth";
+  setting.obstacle.shape = std::shared_ptr<const Solid>(solid);
+  setting.obstacle.pose.position = {0.0, 0.0, -2e-3};
+  setting.start = {0.0, 0.0, 5e-5};
+  setting.tool.parts[0] = {{0.0, 0.0, 5e-4}, {0.0, 0.0, 5e-4}, 5e-4};
+  Bench bench(setting);
+  Drill drill(setting.tool, {solid}, Bur{});
+  bench.haptics->attach(&drill);
+  const double pressed = -restUnder(bench, 4.0, 600).height;
+  REQUIRE(pressed > 3e-4);
+  REQUIRE_FALSE(bench.haptics->frame().contacts.contacts[0].isPunctured);
+  drill.spin(true);
+  double force = 0.0, removed = 0.0;
+  int compressed = 0;
+  for (int i = 0; i < 600; ++i) {
+    REQUIRE(bench.press(4.0));
+    const Contact& contact = bench.haptics->frame().contacts.contacts[0];
+    REQUIRE_FALSE(contact.isPunctured);
+    if (contact.compression >= 0.0) compressed = i + 1;
+    removed += drill.removed()[0];
+    if (i >= 400) force += bench.force() / 200.0;
+  }
+  INFO("pressed by " << pressed << " m; compressed for " << compressed << " ticks");
+  CHECK(compressed > 0);
+  CHECK(compressed < 50);
+  CHECK(removed > 0.0);
+  CHECK(force == Approx(4.0).epsilon(0.05));
+}
+
+TEST_CASE("compliance: in a broken layer the ground is one thickness below the nearest surface", "[compliance]") {
+  constexpr double kThick = 1e-3, kRadius = 3e-4, kStep = 1e-5;  // m
+  const auto solid = std::make_shared<Solid>(
+      MeshModel(test::boxMesh({4e-3, 4e-3, 3e-3})),
+      std::vector<SolidLayer>{{"caries", layer(4e3, 1.5, kThick, 0.0, 1.0), 1e8, 0.0, nullptr}}, SolidOptions{2e-4});
+  for (const double y : {-8e-4, 0.0, 7e-4}) {  // shallow grooves: a god object on the surface would jump in them
+    const Segment from{{-5e-3, y, 3.45e-3}, {-5e-3, y, 3.45e-3}}, to{{5e-3, y, 3.45e-3}, {5e-3, y, 3.45e-3}};
+    (void)solid->cut(from, to, 5e-4);
+  }
+  Scene scene;
+  scene.add({"tooth", std::shared_ptr<const Solid>(solid), Pose(), Vec6::Zero(), {}});
+  Tool tool;
+  tool.parts[0].radius = kRadius;
+  TickScene ticked(scene, tool);
+  test::Random random(571);
+  Pose pose;
+  double time = 0.0, height = 3.4e-3;
+  ContactSnapshot contacts;
+  for (int i = 0; i < 3000; ++i, time += kTick) {
+    height = std::max(height - kStep, 3e-3 - random.uniform(0.5, 0.9) * kThick);
+    pose.position = {1e-3 * std::sin(1e-2 * i), 1e-3 * std::cos(1.7e-2 * i), height};
+    REQUIRE(ticked.findContacts(pose, time, kTick, -1, 0.0, contacts) == Status::ok);
+    TickOutput output;
+    output.normalForce = 2.0;  // more than the layer holds
+    ticked.compliance().press(output, kTick, contacts);
+    if (i < 100) continue;
+    REQUIRE(contacts.count == 1);
+    REQUIRE(contacts.contacts[0].isPunctured);
+    const SolidPoint nearest = signedDistance(*solid, pose.position);
+    CHECK(contacts.contacts[0].gap == Approx(nearest.distance - kRadius + kThick).margin(1e-12));
+    CHECK(contacts.contacts[0].normal.dot(nearest.normal) == Approx(1.0).margin(1e-12));
+  }
 }
 
 TEST_CASE("compliance: an explorer sinks into the caries of caries.toml and is held there, not in a sound molar",

@@ -318,6 +318,17 @@ TEST_CASE("drill: the speed falls linearly with the load, down to a stall", "[dr
   CHECK(stalled.volume > cut);
 }
 
+TEST_CASE("drill: a bur that cuts is held by its pit, by the force over twice the height of the surface", "[drill]") {
+  Spun spun({0, kWear, 2000.0});
+  CHECK(spun.drill.hold() == 0.0);
+  CHECK(spun.drill.obstacle() == -1);
+  spun.press(2.0, 0.5);
+  CHECK(spun.drill.obstacle() == 0);
+  CHECK(spun.drill.hold() == Approx(2.0 / (2.0 * kCell * kCell / (4.0 * kRadius))));
+  spun.press(0.0, 1e-3);
+  CHECK(spun.drill.hold() == 0.0);
+}
+
 TEST_CASE("drill: the speed approaches its equilibrium with the time constant of the rotor", "[drill]") {
   const Bur bur = turbine();
   Spun spun(bur);
@@ -440,11 +451,11 @@ TEST_CASE("drill: wrong numbers of a motor are refused", "[drill]") {
     return std::string("accepted");
   };
   CHECK(refusal([](Bur&) {}) == "accepted");
-  CHECK(refusal([](Bur& b) { b.torque = 0.0; }) == "the torque of the bur is 0 N m, must be above 0");
+  CHECK(refusal([](Bur& b) { b.torque = 0.0; }) == "the torque of the bur is 0, must be in 1e-06 to inf");
   CHECK_THAT(refusal([](Bur& b) { b.inertia = std::nan(""); }),
              test::ContainsSubstring("the inertia of the bur is nan"));
   CHECK_THAT(refusal([](Bur& b) { b.drag = -1.0; }), test::ContainsSubstring("must be in 0 to 10"));
-  CHECK_THAT(refusal([](Bur& b) { b.runOut = 1e-3; }), test::ContainsSubstring("must be in 0 to 1e-4"));
+  CHECK_THAT(refusal([](Bur& b) { b.runOut = 1e-3; }), test::ContainsSubstring("the run_out of the bur"));
   CHECK_THAT(refusal([](Bur& b) { b.blades = -1; }), test::ContainsSubstring("the number of blades of the bur is -1"));
 }
 

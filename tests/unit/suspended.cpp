@@ -91,6 +91,42 @@ TEST_CASE("suspended: a step keeps momentum and never adds energy to the work of
   }
 }
 
+TEST_CASE("suspended: a pit holds a block as a spring in the step, and takes energy only", "[suspended]") {
+  constexpr double kPeriod = 1e-3, kStiff = 1e5;
+  test::Random random(572);
+  for (int i = 0; i < 300; ++i) {
+    Suspension s = sprung(random.uniform(1e-3, 1.0), random.uniform(0.0, 1e5), random.uniform(0.0, 1.0));
+    s.inertia.tail<3>().setZero();
+    Scene scene;
+    scene.add(block(s));
+    const Suspension& own = *scene.obstacles()[0].suspension;
+    SceneMotion plain(scene), held(scene);
+    const Vec3 normal = random.vector(1.0).normalized(), force = 5.0 * random.direction();
+    double lost = 0.0, before = 0.0;
+    for (int tick = 0; tick < 3; ++tick)  // of the same motion: the last step is held
+      for (SceneMotion* motion : {&plain, &held}) {
+        (void)motion->follow(scene, tick * kPeriod, kPeriod);
+        motion->scaleForces(0.0);
+        motion->push(0, Vec3::Zero(), force);  // at the centre
+        if (tick == 2 && motion == &held) motion->hold(0, Vec3::Zero(), normal, kStiff, kPeriod);
+      }
+    before = energyOf(own, *held.suspended(0));
+    const Vec3 old = held.suspended(0)->velocity.head<3>(), offset = held.suspended(0)->offset.head<3>();
+    const Vec3 pit = held.suspended(0)->wrench.head<3>() - force;
+    (void)plain.follow(scene, 3 * kPeriod, kPeriod);
+    (void)held.follow(scene, 3 * kPeriod, kPeriod);
+    const Vec3 now = held.suspended(0)->velocity.head<3>();
+    const Mat3 across = Mat3::Identity() - normal * normal.transpose();
+    const double whole = own.inertia[0] + kPeriod * own.damping[0] + kPeriod * kPeriod * own.stiffness[0];
+    const Vec3 free = (own.inertia[0] * old + kPeriod * (force - own.stiffness[0] * offset)) / whole;
+    CHECK((across * now - across * free * whole / (whole + kPeriod * kPeriod * kStiff)).norm() < 1e-12);
+    CHECK(std::abs(normal.dot(now - free)) < 1e-12);
+    lost = kPeriod * pit.dot(now);
+    CHECK(lost <= 0.0);
+    CHECK(energyOf(own, *held.suspended(0)) <= before + kPeriod * force.dot(now) + lost + 1e-15);
+  }
+}
+
 TEST_CASE("suspended: at rest under a force, the springs carry it; axes without inertia stay", "[suspended]") {
   Suspension s = sprung(2e-3, 5e4, 0.3);
   s.inertia[1] = 0.0;

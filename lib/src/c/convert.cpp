@@ -5,6 +5,7 @@
 
 #include "core/message.hpp"
 #include "enamel/collision/mesh_file.hpp"
+#include "enamel/collision/solid_surface.hpp"
 
 namespace enamel::c {
 namespace {
@@ -82,12 +83,21 @@ SessionObstacle obstacleOf(const EnamelObstacleDef& given) {
     case ENAMEL_CAPSULE: obstacle.shape = Capsule{d[0], d[1]}; break;
     case ENAMEL_MESH: obstacle.mesh = std::make_shared<MeshModel>(meshOf(def)); break;
     case ENAMEL_SOLID:
-      obstacle.solid = std::make_shared<const Solid>(meshOf(def), layersOf(def), SolidOptions{def.cell});
+      obstacle.solid = def.solid != nullptr
+                           ? def.solid->solid
+                           : std::make_shared<const Solid>(meshOf(def), layersOf(def), SolidOptions{def.cell});
       break;
     default:
       throw Error("EnamelObstacleDef.shape is " + std::to_string(def.shape) + ", must be an EnamelShape, 0 to 5");
   }
   return obstacle;
+}
+
+MeshModel targetOf(const EnamelObstacleDef& given) {
+  const EnamelObstacleDef& def = known(given, "EnamelObstacleDef");
+  if (def.shape == ENAMEL_SOLID && def.solid != nullptr) return MeshModel(surfaceOf(*def.solid->solid));
+  require(def.shape == ENAMEL_MESH, "the target must be an ENAMEL_MESH, or an ENAMEL_SOLID with `solid`");
+  return meshOf(def);
 }
 
 std::vector<Guide> guidesOf(const EnamelGuide* guides, std::size_t count) {

@@ -1,16 +1,47 @@
 // Between the structs of enamel.h and the C++ types.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <cstring>
+#include <exception>
 
 #include "enamel/c/enamel.h"
+#include "enamel/collision/cut_comparison.hpp"
 #include "enamel/session/session.hpp"
 #include "plugin/own_device.hpp"
+
+struct EnamelSolid {
+  std::shared_ptr<const enamel::Solid> solid;
+  enamel::CutComparison compared;  // the last one
+  std::vector<std::int32_t> prepared;
+};
 
 namespace enamel::c {
 
 static_assert(ENAMEL_MAX_TOOL_PARTS == kMaxToolParts && ENAMEL_MAX_LAYERS == kMaxSolidLayers);
 static_assert(ENAMEL_UNUSUAL_SIZE == static_cast<int>(EventKind::unusualSize));
+
+inline void copyText(const char* text, const EnamelMessage& message) noexcept {
+  if (message.text == nullptr || message.size == 0) return;
+  const std::size_t length = std::min(std::strlen(text), message.size - 1);
+  std::memcpy(message.text, text, length);
+  message.text[length] = 0;
+}
+
+/// Run `work`, which may throw. `message` receives the reason.
+template <typename Work>
+std::int32_t attempt(const EnamelMessage& message, const Work& work) noexcept {
+  try {
+    work();
+    return ENAMEL_OK;
+  } catch (const std::exception& error) {
+    copyText(error.what(), message);
+  } catch (...) {
+    copyText("an unknown exception", message);
+  }
+  return ENAMEL_FAILED;
+}
 
 inline std::int32_t resultOf(Status status) noexcept {
   return status == Status::stopped ? std::int32_t{ENAMEL_STOPPED} : static_cast<std::int32_t>(status);
@@ -48,6 +79,7 @@ void toPlain(const SessionEvent& in, EnamelEvent& out) noexcept;
 Tool toolOf(const EnamelTool& tool);
 Bur burOf(const EnamelBur& bur);
 SessionObstacle obstacleOf(const EnamelObstacleDef& def);
+MeshModel targetOf(const EnamelObstacleDef& def);
 std::vector<Guide> guidesOf(const EnamelGuide* guides, std::size_t count);
 std::map<std::string, std::string> parametersOf(const EnamelParameter* parameters, std::size_t count);
 

@@ -1,5 +1,4 @@
 // The functions of enamel.h: each calls the session, and turns exceptions into results.
-#include <cstring>
 #include <limits>
 #include <mutex>
 #include <string>
@@ -27,13 +26,6 @@ struct EnamelTickAccess {
 namespace {
 
 constexpr std::uint32_t kVersion = ENAMEL_VERSION_MAJOR * 65536U + ENAMEL_VERSION_MINOR * 256U + ENAMEL_VERSION_PATCH;
-
-void copyText(const std::string& text, const EnamelMessage& message) noexcept {
-  if (message.text == nullptr || message.size == 0) return;
-  const std::size_t length = std::min(text.size(), message.size - 1);
-  std::memcpy(message.text, text.data(), length);
-  message.text[length] = 0;
-}
 
 void remember(EnamelSession& session, const char* text) noexcept {
   const std::lock_guard<std::mutex> lock(session.mutex);
@@ -144,22 +136,16 @@ std::int32_t enamel_session_create(const EnamelSessionDef* def, EnamelSession** 
   if (session != nullptr) *session = nullptr;
   if (def == nullptr || session == nullptr) return ENAMEL_NULL;
   if (!isKnown(*def)) {
-    copyText("EnamelSessionDef.size is wrong: call enamel_session_defaults(), and use the header of this library",
-             message);
+    c::copyText("EnamelSessionDef.size is wrong: call enamel_session_defaults(), and use the header of this library",
+                message);
     return ENAMEL_SIZE;
   }
-  try {
+  return c::attempt(message, [&] {
     auto handle = std::make_unique<EnamelSession>();
     handle->session = std::make_shared<Session>(definitionOf(*def));
     handle->joints = handle->session->mechanism().joints();
     *session = handle.release();
-    return ENAMEL_OK;
-  } catch (const std::exception& error) {
-    copyText(error.what(), message);
-  } catch (...) {
-    copyText("an unknown exception", message);
-  }
-  return ENAMEL_FAILED;
+  });
 }
 
 void enamel_session_destroy(EnamelSession* session) {
@@ -171,7 +157,7 @@ void enamel_session_destroy(EnamelSession* session) {
 std::int32_t enamel_message(EnamelSession* session, EnamelMessage message) {
   if (session == nullptr) return ENAMEL_NULL;
   const std::lock_guard<std::mutex> lock(session->mutex);
-  copyText(session->message, message);
+  c::copyText(session->message.c_str(), message);
   return ENAMEL_OK;
 }
 
@@ -315,6 +301,21 @@ std::int32_t enamel_take_surface(EnamelSession* session, EnamelObstacle obstacle
 
 std::int32_t enamel_restore(EnamelSession* session, EnamelObstacle obstacle) {
   return run(session, [&](Session& s) { s.restore(idOf(obstacle)); });
+}
+
+std::int32_t enamel_mark(EnamelSession* session, EnamelObstacle obstacle) {
+  return run(session, [&](Session& s) { s.mark(idOf(obstacle)); });
+}
+
+std::int32_t enamel_undo(EnamelSession* session, EnamelObstacle obstacle) {
+  return run(session, [&](Session& s) { s.undo(idOf(obstacle)); });
+}
+
+std::int32_t enamel_solid_copy(EnamelSession* session, EnamelObstacle obstacle, EnamelSolid** solid) {
+  if (solid != nullptr) *solid = nullptr;
+  return runWith(session, solid != nullptr, [&](Session& s) {
+    *solid = new EnamelSolid{std::make_shared<const Solid>(s.cutSolid(idOf(obstacle))), {}, {}};
+  });
 }
 
 std::int32_t enamel_set_guides(EnamelSession* session, const EnamelGuide* guides, std::size_t guide_count) {

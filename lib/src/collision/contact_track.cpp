@@ -153,6 +153,12 @@ void ToolTrack::reset(const Scene& scene) noexcept {
   lastKey_ = 0;
 }
 
+void ToolTrack::letIn(const Tool& tool, int obstacle, int part) noexcept {
+  const auto i =
+      static_cast<std::size_t>(obstacle) * static_cast<std::size_t>(tool.count) + static_cast<std::size_t>(part);
+  if (obstacle >= 0 && part >= 0 && part < tool.count && i < parts_.size()) parts_[i].isKnown = false;
+}
+
 void ToolTrack::takeOver(ToolTrack& old, const Scene& before, const Scene& now) noexcept {
   const std::size_t obstacles = now.obstacles().size(), others = before.obstacles().size();
   const std::size_t parts = obstacles == 0 ? 0 : parts_.size() / obstacles;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "collision/bur_limits.hpp"
 #include "core/message.hpp"
 #include "core/toml.hpp"
 #include "enamel/collision/contacts.hpp"
@@ -388,14 +389,9 @@ std::optional<Bur> readBur(TomlTable& root, const Tool& tool) {
   read("part", 0.0, tool.count - 1.0, part);
   bur.part = static_cast<int>(part);
   if (bur.part != part) table.fail("part", "is " + formatNumber(part) + ", must be a whole number");
-  read("wear", 1e-9, 1e3, bur.wear);
-  read("turns", 0.0, 1e4, bur.turns);
-  read("torque", 1e-6, 10.0, bur.torque);
-  read("inertia", 1e-12, 1e-3, bur.inertia);
-  read("drag", 0.0, 10.0, bur.drag);
-  read("run_out", 0.0, 1e-4, bur.runOut);
+  for (const BurNumber& number : kBurNumbers) read(number.key, number.low, number.high, bur.*number.value);
   double blades = 0.0;
-  read("blades", 0.0, 100.0, blades);
+  read("blades", 0.0, kMostBlades, blades);
   bur.blades = static_cast<int>(blades);
   if (bur.blades != blades) table.fail("blades", "is " + formatNumber(blades) + ", must be a whole number");
   const double radius = tool.parts[static_cast<std::size_t>(bur.part)].radius;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "enamel/collision/contacts.hpp"
 #include "enamel/collision/scene.hpp"
 #include "enamel/collision/tool.hpp"
 #include "render/scene_surfaces.hpp"
@@ -98,7 +99,13 @@ double compressionUnder(const Material& m, double force, double before, double p
 ComplianceMemory::ComplianceMemory(const Scene& scene)
     : isAny_(anySurface(scene, [](const Material& material, const Tap&) { return material.isLayer(); })) {}
 
-void ComplianceMemory::enter(const Scene& scene, const Tool& tool, int bur, double elapsed,
+// A god object outside the surface does not know how far the surface is from a part that is inside.
+void ComplianceMemory::letIn(const Tool& tool, ToolTrack& track) const noexcept {
+  for (const Pressed& last : last_)
+    if (last.isPunctured != 0.0) track.letIn(tool, static_cast<int>(last.obstacle), static_cast<int>(last.part));
+}
+
+void ComplianceMemory::enter(const Scene& scene, const Tool& tool, int bur, double cut,
                              ContactSnapshot& contacts) noexcept {
   if (!isAny_) return;
   std::array<double, kMaxContacts> sharing;
@@ -127,8 +134,9 @@ void ComplianceMemory::enter(const Scene& scene, const Tool& tool, int bur, doub
     if (c.compression == kNotCompressed && deepest > 0.0) c.compression = deepest;  // a new place of a pressed layer
     if (!c.isPunctured) {
       if (solid == nullptr || c.part != bur) continue;
-      const double left = deepest - kBurRises * elapsed;
+      const double left = deepest - cut;
       c.material.thickness = std::min(c.material.thickness, left);
+      c.material.puncture = std::numeric_limits<double>::infinity();
       if (left > 0.0) continue;
     } else {
       isMoved = true;

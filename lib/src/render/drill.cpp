@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "collision/bur_limits.hpp"
 #include "core/message.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/render/roughness.hpp"
@@ -12,13 +13,9 @@
 namespace enamel {
 namespace {
 
-constexpr double kMostTurns = 1e4;
-constexpr double kLeastRotor = 1e-12, kMostRotor = 1e-3, kMostDrag = 10.0, kMostRunOut = 1e-4;
-constexpr int kMostBlades = 100;
 constexpr double kFollow = 0.05;    // filter gain per tick for force, hardness and feed
 constexpr double kMostFeed = 0.02;  // m/s
 constexpr double kMostOwed = 4.0;
-constexpr double kPartly = 4.0;                             // area of a bur over the least area that cuts
 constexpr double kFacing = 0.1, kAhead = 0.7, kSide = 0.9;  // cosines
 // Contacts beside the direction of the force are soft. A servo that is as stiff sideways as ahead holds a spinning bur
 // in three directions, and encoder noise makes it chatter in each.
@@ -27,38 +24,29 @@ constexpr double kSideStiffness = 2e4;  // N/m
 }  // namespace
 
 Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur)
-    : number_(bur.part), solids_(std::move(solids)) {
-  if (number_ < 0 || number_ >= tool.count)
-    throw Error("the bur is part " + std::to_string(number_) + " of the tool, must be below its number of parts, " +
+    : bur_(bur), solids_(std::move(solids)) {
+  if (bur.part < 0 || bur.part >= tool.count)
+    throw Error("the bur is part " + std::to_string(bur.part) + " of the tool, must be below its number of parts, " +
                 std::to_string(tool.count));
-  part_ = tool.parts[static_cast<std::size_t>(number_)];
+  part_ = tool.parts[static_cast<std::size_t>(bur.part)];
   if (!(part_.radius > 0.0))
-    throw Error("the bur, part " + std::to_string(number_) + " of the tool, must have a radius greater than 0 mm");
+    throw Error("the bur, part " + std::to_string(bur.part) + " of the tool, must have a radius greater than 0 mm");
   if (!(part_.radius <= Solid::kLargestBur))
-    throw Error("the bur, part " + std::to_string(number_) + " of the tool, has a radius of " +
+    throw Error("the bur, part " + std::to_string(bur.part) + " of the tool, has a radius of " +
                 formatNumber(1e3 * part_.radius) + " mm, must be at most " + formatNumber(1e3 * Solid::kLargestBur) +
                 " mm; are its lengths in metres?");
-  if (!(bur.wear > 0.0 && std::isfinite(bur.wear)))
-    throw Error("the wear of the bur is " + formatNumber(bur.wear) + ", must be positive and finite");
-  if (!(bur.turns >= 0.0 && bur.turns <= kMostTurns))
-    throw Error("the bur turns " + formatNumber(bur.turns) + " times a second, must be 0 to 10000");
-  const auto require = [](bool isValid, const char* what, double value, const char* limits) {
-    if (!isValid) throw Error("the " + std::string(what) + " of the bur is " + formatNumber(value) + limits);
-  };
-  require(bur.torque > 0.0, "torque", bur.torque, " N m, must be above 0");
-  require(bur.inertia >= kLeastRotor && bur.inertia <= kMostRotor, "inertia", bur.inertia,
-          " kg m^2, must be in 1e-12 to 1e-3");
-  require(bur.drag >= 0.0 && bur.drag <= kMostDrag, "drag", bur.drag, ", must be in 0 to 10");
-  require(bur.runOut >= 0.0 && bur.runOut <= kMostRunOut, "run-out", bur.runOut, " m, must be in 0 to 1e-4");
-  require(bur.blades >= 0 && bur.blades <= kMostBlades, "number of blades", bur.blades, ", must be in 0 to 100");
-  free_ = bur.turns;
-  torque_ = bur.torque;
-  follow_ = std::isinf(torque_) || free_ == 0.0 ? 0.0 : torque_ / (2.0 * M_PI * bur.inertia * free_);
-  drag_ = bur.drag;
-  runOut_ = bur.runOut;
-  blades_ = bur.blades;
+  for (const BurNumber& number : kBurNumbers)
+    if (const double value = bur.*number.value; !(value >= number.low && value <= number.high))
+      throw Error("the " + std::string(number.key) + " of the bur is " + formatNumber(value) + ", must be in " +
+                  formatNumber(number.low) + " to " + formatNumber(number.high));
+  if (bur.blades < 0 || bur.blades > kMostBlades)
+    throw Error("the number of blades of the bur is " + std::to_string(bur.blades) + ", must be in 0 to " +
+                std::to_string(kMostBlades));
+  const Vec3 along = part_.b - part_.a;
+  axes_ = frameAlong(along.squaredNorm() > 0.0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitZ()));
+  follow_ = std::isinf(bur.torque) || bur.turns == 0.0 ? 0.0 : bur.torque / (2.0 * M_PI * bur.inertia * bur.turns);
   removal_ = bur.wear * 2.0 * M_PI * part_.radius * bur.turns;
-  area_ = (M_PI * part_.radius + 2.0 * (part_.b - part_.a).norm()) * part_.radius;
+  area_ = (M_PI * part_.radius + 2.0 * along.norm()) * part_.radius;
 }
 
 void Drill::spin(bool on) noexcept {
@@ -69,32 +57,30 @@ void Drill::spin(bool on) noexcept {
 // The speed under a constant load is known exactly: it approaches its equilibrium exponentially.
 void Drill::turn(double elapsed) noexcept {
   if (follow_ > 0.0) {
-    const double goal = (isOn_ ? 1.0 : 0.0) - load_ / torque_;
+    const double goal = (isOn_ ? 1.0 : 0.0) - load_ / bur_.torque;
     speed_ = std::max(0.0, goal + (speed_ - goal) * std::exp(-follow_ * elapsed));
   }
-  phase_ = std::fmod(phase_ + speed_ * free_ * elapsed, 1.0);
+  phase_ = std::fmod(phase_ + turns() * elapsed, 1.0);
 }
 
 void Drill::vibrate(const Pose& pose, double period, ContactSnapshot& contacts) noexcept {
   head_.setZero();
-  const double turns = speed_ * free_;
-  if (!(turns > 0.0) || (runOut_ == 0.0 && blades_ == 0)) return;
-  const Vec3 along = part_.b - part_.a;
-  const Vec3 axis = pose.rotation * (along.squaredNorm() > 0.0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitZ()));
-  const Mat3 frame = frameAlong(axis);
+  const double turns = this->turns();
+  if (!(turns > 0.0) || (bur_.runOut == 0.0 && bur_.blades == 0)) return;
+  const Mat3 frame = pose.rotation * axes_;
   const auto rendered = [&](double rate, double amplitude) { return amplitude * sampledShare(1.0 / (rate * period)); };
-  const double runOut = rendered(turns, runOut_), angle = 2.0 * M_PI * phase_, rate = 2.0 * M_PI * turns;
+  const double runOut = rendered(turns, bur_.runOut), angle = 2.0 * M_PI * phase_, rate = 2.0 * M_PI * turns;
   head_ = runOut * (std::cos(angle) * frame.col(0) + std::sin(angle) * frame.col(1));
   Vec3 velocity = runOut * rate * (std::cos(angle) * frame.col(1) - std::sin(angle) * frame.col(0));
-  if (blades_ > 0 && obstacle_ >= 0) {  // a blade bites half of its feed more and less than the mean
-    const double bite = 0.5 * std::clamp(feed_, 0.0, kMostFeed) / (turns * blades_);
-    const double amplitude = rendered(blades_ * turns, bite);
-    head_ -= amplitude * std::cos(blades_ * angle) * way_;
-    velocity += amplitude * blades_ * rate * std::sin(blades_ * angle) * way_;
+  if (bur_.blades > 0 && obstacle_ >= 0) {  // a blade bites half of its feed more and less than the mean
+    const double bite = 0.5 * std::clamp(feed_, 0.0, kMostFeed) / (turns * bur_.blades);
+    const double amplitude = rendered(bur_.blades * turns, bite);
+    head_ -= amplitude * std::cos(bur_.blades * angle) * way_;
+    velocity += amplitude * bur_.blades * rate * std::sin(bur_.blades * angle) * way_;
   }
   for (int i = 0; i < contacts.count; ++i) {
     Contact& c = contacts.contacts[static_cast<std::size_t>(i)];
-    if (c.part != number_) continue;
+    if (c.part != bur_.part) continue;
     c.gap += head_.dot(c.normal);
     c.obstacleVelocity -= velocity.dot(c.normal) * c.normal;
   }
@@ -106,7 +92,7 @@ void Drill::correct(ContactSnapshot& contacts) noexcept {
   const double feed = std::clamp(feed_, 0.0, kMostFeed);
   for (int i = 0; i < contacts.count; ++i) {
     Contact& c = contacts.contacts[i];
-    if (c.obstacle != obstacle_ || c.part != number_) continue;
+    if (c.obstacle != obstacle_ || c.part != bur_.part) continue;
     const double along = way_.dot(c.normal);
     double back = rough_;
     if (along < kSide) c.material.stiffness = std::min(c.material.stiffness, kSideStiffness);
@@ -123,7 +109,7 @@ void Drill::lift() noexcept {
   lastCut_.obstacle = obstacle_ = -1;
   load_ = 0.0;
   force_.setZero();
-  feed_ = 0.0;
+  feed_ = recession_ = 0.0;
 }
 
 void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double elapsed,
@@ -132,7 +118,7 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   const Contact* const end = first + contacts.count;
   const Contact* const deepest = std::find_if(first, end, [this](const Contact& c) {
     const auto obstacle = static_cast<std::size_t>(c.obstacle);
-    return c.part == number_ && obstacle < solids_.size() && solids_[obstacle] != nullptr;
+    return c.part == bur_.part && obstacle < solids_.size() && solids_[obstacle] != nullptr;
   });
   turn(elapsed);
   if (deepest == end || deepest->isPunctured || !isOn_ || !force.allFinite()) return lift();
@@ -150,17 +136,18 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   }
   force_ += kFollow * (force - force_);
   const double pressed = force_.norm();
-  load_ = drag_ * pressed * part_.radius;
+  load_ = bur_.drag * pressed * part_.radius;
   way_ = pressed > 0.0 ? Vec3(force_ / pressed) : deepest->normal;
   rough_ = solid.cell() * solid.cell() / (4.0 * part_.radius);
-  const double rate = removal_ * speed_ * pressed / hardness_, asked = rate * elapsed + owed_;
+  recession_ = removal_ * speed_ * pressed / (hardness_ * area_);
+  const double asked = recession_ * area_ * elapsed + owed_;
   advance_ = std::clamp(asked / area_, 0.0, kMostFeed * elapsed + rough_);
 
   // Retract the bur until no contact is deeper than this tick's advance.
   double back = -rough_;
   for (const Contact* c = deepest; c != end; ++c) {
     const double gap = gaps_[static_cast<std::size_t>(c - first)];
-    if (c->obstacle != number || c->part != number_ || gap >= 0.0 || way_.dot(c->normal) < kAhead) continue;
+    if (c->obstacle != number || c->part != bur_.part || gap >= 0.0 || way_.dot(c->normal) < kAhead) continue;
     back = std::max(back, -gap / way_.dot(c->normal) - advance_);
   }
   const Segment axis{inSolid(pose.position + pose.rotation * part_.a + back * way_ + head_),
@@ -175,10 +162,9 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
     hardness_ += kFollow * (weighted / volume - hardness_);
   }
   owed_ = std::clamp(asked - volume, -kMostOwed * area_ * rough_, kMostOwed * area_ * rough_);
-  // While the bur cuts, the tool moves with the surface. A tool that moves faster than the bur can cut is in the air.
+  // While the bur cuts, the tool moves with the surface.
   const Vec3 moved = obstacle.pose.rotation * (axis.a - last_.a);
-  if (obstacle_ == number)
-    feed_ = std::min(feed_ + kFollow * (-way_.dot(moved) / elapsed - feed_), kPartly * rate / area_);
+  if (obstacle_ == number) feed_ += kFollow * (-way_.dot(moved) / elapsed - feed_);
   obstacle_ = number;
   last_ = axis;
   if (reached > 0.0 && reached < 1.0)  // the next tick cuts the rest

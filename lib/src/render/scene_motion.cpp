@@ -224,6 +224,20 @@ void SceneMotion::push(int obstacle, const Vec6& impulse) noexcept {
     if (body.obstacle == obstacle) body.state.impulse += impulse;
 }
 
+void SceneMotion::hold(int obstacle, const Vec3& point, const Vec3& normal, double stiffness, double period) noexcept {
+  const Mat3 frame = frameAlong(normal);
+  for (Body& body : bodies_) {
+    if (body.obstacle != obstacle) continue;
+    const Vec6 inverse = inverseInertia(of(body), period);
+    for (int axis = 0; axis < 2; ++axis) {
+      const Vec6 row = wrenchAt(body, point, frame.col(axis)),
+                 next = freeVelocity(of(body), body.state, period) + period * inverse.cwiseProduct(body.state.wrench);
+      const double give = period * period * row.dot(inverse.cwiseProduct(row));
+      body.state.wrench -= stiffness * period * row.dot(next) / (1.0 + stiffness * give) * row;
+    }
+  }
+}
+
 void SceneMotion::scaleForces(double factor) noexcept {
   for (Body& body : bodies_) body.state.wrench *= factor;
 }

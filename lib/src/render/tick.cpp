@@ -112,7 +112,8 @@ Status HapticTick::sense(const Measurement& m) noexcept {
 }
 
 Status HapticTick::findContacts(double time, double elapsed) noexcept {
-  const Status status = scene_.findContacts(frame_.kinematics.pose, time, elapsed, bur(), frame_.contacts);
+  const Status status = scene_.findContacts(frame_.kinematics.pose, time, elapsed, bur(),
+                                            drill_ == nullptr ? 0.0 : drill_->recession(), frame_.contacts);
   if (status != Status::ok) return status;
   if (scene_.isRough())  // a bur removes what it would feel
     roughen(scene_.scene(), scene_.tool(), frame_.kinematics, mechanism_.limits().encoderStep, guard_.options().period,
@@ -187,6 +188,12 @@ void HapticTick::react() noexcept {
     const double force = output.normalForces[static_cast<std::size_t>(i)];
     const double part = sum > 0.0 ? force / sum : i == 0 ? 1.0 : 0.0;
     motion.push(contact.obstacle, contact.point, -share * mechanism_.scale() * (force * contact.normal + part * rest));
+  }
+  if (drill_ == nullptr || frame_.age > 0) return;
+  for (int i = 0; i < frame_.contacts.count; ++i) {
+    const Contact& contact = frame_.contacts.contacts[static_cast<std::size_t>(i)];
+    if (contact.part != drill_->part() || contact.obstacle != drill_->obstacle()) continue;
+    return motion.hold(contact.obstacle, contact.point, contact.normal, drill_->hold(), guard_.options().period);
   }
 }
 

@@ -29,11 +29,12 @@ TickScene::TickScene(const Scene& scene, const Tool& tool)
       hasTaps_(enamel::hasTaps(scene)),
       isRough_(enamel::isRough(scene)) {}
 
-Status TickScene::findContacts(const Pose& pose, double time, double elapsed, int bur,
+Status TickScene::findContacts(const Pose& pose, double time, double elapsed, int bur, double recession,
                                ContactSnapshot& contacts) noexcept {
   const Scene& now = motion_.follow(*stated_, time, elapsed);
+  compliance_.letIn(tool_, track_);
   const Status status = followContacts(now, tool_, pose, kContactMargin, track_, contacts);
-  compliance_.enter(now, tool_, bur, elapsed, contacts);
+  compliance_.enter(now, tool_, bur, recession * elapsed, contacts);
   return status;
 }
 

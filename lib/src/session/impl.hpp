@@ -89,6 +89,7 @@ struct Session::Impl final : TickSink {
   void changeObstacles(session::Obstacles next);
   void changeObstacle(ObstacleId id, const std::function<void(Obstacle&)>& change);
   void checkSize(ObstacleId id);
+  std::shared_ptr<Solid> ownSolid(ObstacleId id);
   RendererChoice choose(const std::string& name, const std::map<std::string, std::string>& parameters) const;
   void select(RendererChoice next);
   void enterLoop(Loop kind);

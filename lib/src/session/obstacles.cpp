@@ -198,9 +198,50 @@ void Session::restore(ObstacleId id) {
 
 bool Session::takeChange(ObstacleId id, BrickChange& change) {
   const Lock lock = impl_->lock();
-  SolidChanges* const changes = impl_->solids.changes[impl_->slotOf(id)].get();
+  session::TakenChanges* const changes = impl_->solids.changes[impl_->slotOf(id)].get();
   if (changes == nullptr) refuseShape(impl_->group->obstacles, id);
-  return changes->take(change);
+  (void)changes->take();
+  if (changes->unread.empty()) return false;
+  change = changes->newest.at(*changes->unread.begin());
+  changes->unread.erase(changes->unread.begin());
+  return true;
+}
+
+// A solid that only this session cuts.
+std::shared_ptr<Solid> Session::Impl::ownSolid(ObstacleId id) {
+  const std::shared_ptr<Solid>& solid = solids.solids[slotOf(id)];
+  if (!solid) refuseShape(group->obstacles, id);
+  require(group->members.size() == 1, "obstacle \"" +
+                                          group->obstacles.scene.obstacles()[static_cast<std::size_t>(id.slot)].name +
+                                          "\": two sessions share it; use restore()");
+  requireRoom();
+  return solid;
+}
+
+void Session::mark(ObstacleId id) {
+  const Lock lock = impl_->lock();
+  impl_->post([solid = impl_->ownSolid(id)]() noexcept { solid->mark(); });
+}
+
+void Session::undo(ObstacleId id) {
+  const Lock lock = impl_->lock();
+  impl_->post([s = impl_.get(), solid = impl_->ownSolid(id)]() noexcept {
+    s->stray();
+    (void)solid->undo();
+  });
+}
+
+Solid Session::cutSolid(ObstacleId id) {
+  const Lock lock = impl_->lock();
+  const std::size_t slot = impl_->slotOf(id);
+  session::TakenChanges* const changes = impl_->solids.changes[slot].get();
+  if (changes == nullptr) refuseShape(impl_->group->obstacles, id);
+  do {
+    if (!impl_->isLive()) (void)changes->sent.publish(*impl_->solids.solids[slot]);  // what the loop had not sent
+  } while (changes->take() && !impl_->isLive());
+  Solid copy = *impl_->group->obstacles.solids[slot];
+  for (const auto& [number, brick] : changes->newest) copy.set(number, brick.samples);
+  return copy;
 }
 
 std::shared_ptr<const Solid> Session::solid(ObstacleId id) const {

@@ -222,7 +222,7 @@ void Session::Impl::watchContacts(const LoopTick& tick, const TickFrame& frame) 
 
 void Session::Impl::watchCuts(const LoopTick& tick) noexcept {
   for (std::size_t i = 0; i < world->solids.size(); ++i)
-    if (world->solids[i]) (void)world->changes[i]->publish(*world->solids[i]);
+    if (world->solids[i]) (void)world->changes[i]->sent.publish(*world->solids[i]);
   if (!world->drill) return;
   if (const SolidCut& cut = world->drill->lastCut(); cut.obstacle >= 0 && tick.measurement.age == 0) {
     const auto slot = static_cast<std::size_t>(cut.obstacle);

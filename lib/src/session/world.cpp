@@ -23,6 +23,15 @@ Scene withSolids(const Scene& scene, const std::vector<std::shared_ptr<Solid>>& 
 
 }  // namespace
 
+bool TakenChanges::take() {
+  bool isAny = false;
+  for (BrickChange change; sent.take(change); isAny = true) {
+    newest[change.brick] = change;
+    unread.insert(change.brick);
+  }
+  return isAny;
+}
+
 Obstacle freeSlot(int slot) {
   Obstacle free{"(free slot " + std::to_string(slot) + ")", HalfSpace{}, Pose{}, Vec6::Zero(), Material{}, 0.0};
   free.active = false;
@@ -42,7 +51,7 @@ std::unique_ptr<World> makeWorld(const Obstacles& obstacles, const Obstacles& be
     const bool continues = i < own.solids.size() && before.generation[i] == obstacles.generation[i] &&
                            before.revision[i] == obstacles.revision[i];
     world->solids[i] = continues ? own.solids[i] : std::make_shared<Solid>(*obstacles.solids[i]);
-    world->changes[i] = continues ? own.changes[i] : std::make_shared<SolidChanges>();
+    world->changes[i] = continues ? own.changes[i] : std::make_shared<TakenChanges>();
   }
   world->forDrill = world->solids;
   world->scene = withSolids(obstacles.scene, world->solids);

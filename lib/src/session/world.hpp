@@ -1,9 +1,11 @@
 // The obstacles of a session: the list that callers see, and what the loop of each session works with.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "enamel/render/drill.hpp"
@@ -28,10 +30,19 @@ struct SessionTool {
   std::optional<Bur> bur;
 };
 
+/// Changes of a solid: those on their way from the loop, and what the callers have of them.
+struct TakenChanges {
+  SolidChanges sent;
+  std::map<int, BrickChange> newest;  // of all bricks that have changed; for callers, as the next ones
+  std::set<int> unread;               // bricks that Session::takeChange() has not returned yet
+
+  bool take();  // what was sent; return false if there was nothing
+};
+
 /// The session's own copies of the solids, and their changes for drawing, by slot; null for other shapes.
 struct OwnSolids {
   std::vector<std::shared_ptr<Solid>> solids;
-  std::vector<std::shared_ptr<SolidChanges>> changes;
+  std::vector<std::shared_ptr<TakenChanges>> changes;
 };
 
 /// The obstacles and the bur of the loop of one session. Built on a caller's thread; the loop exchanges it as a whole.

@@ -60,6 +60,7 @@ enum EnamelFailure {
 typedef struct EnamelSession EnamelSession;             /* a session */
 typedef struct EnamelVirtualDevice EnamelVirtualDevice; /* a simulated device for an own loop */
 typedef struct EnamelTickAccess EnamelTickAccess;       /* valid during EnamelSessionDef.before_tick only */
+typedef struct EnamelSolid EnamelSolid;                 /* a solid with its cuts, apart from all sessions */
 
 /* Name of an obstacle. The name of a removed one is never used again. generation 0: no obstacle. */
 typedef struct EnamelObstacle {
@@ -107,9 +108,9 @@ typedef struct EnamelTool {
 
 typedef struct EnamelBur {
   uint32_t size;
-  int32_t part; /* of the tool */
-  double wear;  /* Archard's coefficient */
-  double turns; /* per second, without a load */
+  int32_t part;   /* of the tool */
+  double wear;    /* Archard's coefficient */
+  double turns;   /* per second, without a load */
   double torque;  /* of the motor at rest, N m: it falls linearly to 0 at `turns`; 0: the speed is constant */
   double inertia; /* of rotor and bur, kg m^2; 0: 1e-8 */
   double drag;    /* tangential over normal cutting force */
@@ -206,7 +207,55 @@ typedef struct EnamelObstacleDef {
   double cell;    /* of a solid, m */
   int32_t active; /* 0: reserved for later */
   int32_t reserved;
+  const EnamelSolid* solid; /* of ENAMEL_SOLID, instead of mesh, layers and cell; copied; NULL: those */
 } EnamelObstacleDef;
+
+/* One layer of a solid made of labels. */
+typedef struct EnamelLabelLayer {
+  EnamelMaterial material;
+  double hardness; /* Pa */
+  const int32_t* labels;
+  size_t label_count;
+} EnamelLabelLayer;
+
+/* Labels of voxels, such as a segmented CT. enamel_labels_defaults() fills it in. */
+typedef struct EnamelLabels {
+  uint32_t size;
+  int32_t voxels[3];              /* number along the axes */
+  const uint16_t* labels;         /* of all voxels, the first axis is the fastest */
+  double spacing[3];              /* between the centres of voxels, m */
+  double origin[3];               /* centre of the first voxel, m */
+  double axes[9];                 /* the columns are the directions of the axes */
+  const EnamelLabelLayer* layers; /* the outermost first */
+  size_t layer_count;
+  double smoothing; /* standard deviation of a Gaussian mean, m; negative: the mean spacing */
+  double cell;      /* of the solid, m */
+} EnamelLabels;
+
+/* Differences of a cut solid from its target in one region; volumes in m^3 by layer. */
+typedef struct EnamelCutDifference {
+  double over_cut[ENAMEL_MAX_LAYERS];  /* removed but part of the target */
+  double under_cut[ENAMEL_MAX_LAYERS]; /* present but not part of the target */
+  double area;                         /* of the prepared surface, m^2 */
+  double mean, p95;                    /* of its distance from the target's surface, m */
+  double deepest, highest;             /* largest distance where too much, and where too little, is removed, m */
+} EnamelCutDifference;
+
+/* A comparison with the target of a preparation. The arrays belong to the cut solid: until its next comparison. */
+typedef struct EnamelCutComparison {
+  uint32_t size;
+  int32_t reserved;
+  double removed[ENAMEL_MAX_LAYERS]; /* by the cuts, m^3 by layer */
+  double planned[ENAMEL_MAX_LAYERS]; /* that cuts to the target would remove */
+  EnamelCutDifference whole;
+  EnamelCutDifference floors; /* nearest to faces of the target whose normal is within 45 deg of the axis */
+  EnamelCutDifference walls;
+  const double* vertices;   /* of the cut surface, 3 numbers each, m */
+  const double* distance;   /* of each vertex from the target's surface, m; positive: material should go */
+  const int32_t* prepared;  /* 1: the vertex is in the preparation */
+  const int32_t* triangles; /* 3 vertices each */
+  size_t vertex_count, triangle_count;
+} EnamelCutComparison;
 
 /* Triangles of one brick of a solid, for drawing, in the frame of the solid. The caller gives the memory: 3 numbers a
  * vertex, a normal and a triangle. Layers are those just below the surface. */
@@ -362,11 +411,29 @@ ENAMEL_API int32_t enamel_move_vertices(EnamelSession* session, EnamelObstacle o
                                         const double* positions, size_t count);
 /* Make a solid whole. Then draw its uncut bricks again. */
 ENAMEL_API int32_t enamel_restore(EnamelSession* session, EnamelObstacle obstacle);
+/* Begin a stroke, and undo the last one. Without a stroke, undo does nothing. Not if two sessions share the solid. */
+ENAMEL_API int32_t enamel_mark(EnamelSession* session, EnamelObstacle obstacle);
+ENAMEL_API int32_t enamel_undo(EnamelSession* session, EnamelObstacle obstacle);
 
 /* Draw a solid that is cut: draw each of its bricks once, then those that changed. ENAMEL_NOTHING: none has changed. A
  * brick replaces the triangles that were drawn for it. */
 ENAMEL_API int32_t enamel_solid_bricks(EnamelSession* session, EnamelObstacle obstacle, int32_t* count);
 ENAMEL_API int32_t enamel_take_surface(EnamelSession* session, EnamelObstacle obstacle, EnamelSurface* surface);
+
+/* Solids apart from sessions: load a file (.solid), make one of labels, or copy that of a session with the cuts that
+ * its loop has sent. After enamel_stop() these are all. One thread at a time may use a solid. Destroying NULL does
+ * nothing.
+ */
+ENAMEL_API int32_t enamel_solid_load(const char* file, EnamelSolid** solid, EnamelMessage message);
+ENAMEL_API int32_t enamel_labels_defaults(EnamelLabels* labels);
+ENAMEL_API int32_t enamel_solid_from_labels(const EnamelLabels* labels, EnamelSolid** solid, EnamelMessage message);
+ENAMEL_API int32_t enamel_solid_copy(EnamelSession* session, EnamelObstacle obstacle, EnamelSolid** solid);
+ENAMEL_API void enamel_solid_destroy(EnamelSolid* solid);
+ENAMEL_API int32_t enamel_solid_save(const EnamelSolid* solid, const char* file, EnamelMessage message);
+/* Compare with a target, whose pose is ignored: a closed mesh (ENAMEL_MESH), or `solid` of an ENAMEL_SOLID. `axis`
+ * points out of the tooth; NULL: z. About a second for a molar. */
+ENAMEL_API int32_t enamel_solid_compare(EnamelSolid* solid, const EnamelObstacleDef* target, const double* axis,
+                                        EnamelCutComparison* comparison, EnamelMessage message);
 
 /* Set all guides. They replace the ones before, and ramp in. NULL and 0: none. Any. */
 ENAMEL_API int32_t enamel_set_guides(EnamelSession* session, const EnamelGuide* guides, size_t guide_count);

@@ -85,6 +85,9 @@ class ToolTrack {
   /// Forget the tool's path, as after makeToolTrack(). Realtime: yes.
   void reset(const Scene& scene) noexcept;
 
+  /// Forget the path of a part at an obstacle: the part may be inside. Out-of-range numbers do nothing. Realtime: yes.
+  void letIn(const Tool& tool, int obstacle, int part) noexcept;
+
   /// Continue the path of `old`, a track of the same tool in the scene `before`, among the obstacles that both scenes
   /// have (isSameObstacle()). `now` is the scene of this track. `old` is then only good for destruction. Realtime: yes.
   void takeOver(ToolTrack& old, const Scene& before, const Scene& now) noexcept;

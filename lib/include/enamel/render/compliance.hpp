@@ -17,6 +17,7 @@
 namespace enamel {
 
 class Scene;
+class ToolTrack;
 struct Tool;
 
 /// Largest compliance of a material, instead of infinity, m/N.
@@ -24,9 +25,6 @@ inline constexpr double kSoftest = 1e12;
 
 /// Compression before a contact was known, m. The speed of the compression then counts as zero.
 inline constexpr double kNotCompressed = 1e9;
-
-/// Speed at which a bur rises from a layer that it was pressed into before it span, m/s.
-inline constexpr double kBurRises = 0.02;
 
 /// Force of a material, N, and its derivative by the compression, N/m.
 struct MaterialForce {
@@ -56,11 +54,13 @@ class ComplianceMemory {
   /// Realtime: no.
   explicit ComplianceMemory(const Scene& scene);
 
-  /// Enter compressions and punctures into the contacts of a new sample, `elapsed` s after the last one. A layer of a
-  /// solid is at most as thick as its material is now below the contact, in whole cells. `bur`: the part that spins, or
-  /// -1. A solid is rigid for it: it cuts what it would compress. If it has sunk in before, it rises at kBurRises.
-  /// Realtime: yes.
-  void enter(const Scene& scene, const Tool& tool, int bur, double elapsed, ContactSnapshot& contacts) noexcept;
+  /// Let the parts that have pierced a layer go on inside the obstacle. Call it before followContacts(). Realtime: yes.
+  void letIn(const Tool& tool, ToolTrack& track) const noexcept;
+
+  /// Enter compressions and punctures into the contacts of a new sample. A layer of a solid is at most as thick as its
+  /// material is now below the contact, in whole cells. `bur`: the part that spins, or -1. A solid is rigid for it: it
+  /// cuts what it would compress. If it has sunk in before, it cuts what it compresses: less by `cut` m. Realtime: yes.
+  void enter(const Scene& scene, const Tool& tool, int bur, double cut, ContactSnapshot& contacts) noexcept;
 
   /// Store how the renderer's forces compress the materials, and pierce the layers that break. Realtime: yes.
   void press(const TickOutput& output, double period, ContactSnapshot& contacts) noexcept;

@@ -36,8 +36,8 @@ struct SolidCut {
 class Drill {
  public:
   /// `solids` has one entry per obstacle of the scene, null for an obstacle that cannot be cut. Throws Error if the
-  /// tool does not have the part, or if the part's radius is outside 0 to Solid::kLargestBur. Throws Error if the wear
-  /// is not positive and finite, or the turns are outside 0 to 10 000 per second. Realtime: no.
+  /// tool does not have the part, if the part's radius is outside 0 to Solid::kLargestBur, or for a number of the bur
+  /// outside its limits (lib/docs/files.md). Realtime: no.
   Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur = {});
 
   /// Switch the motor of the bur on or off. It is off at first. Realtime: yes.
@@ -45,10 +45,16 @@ class Drill {
   bool spins() const noexcept { return isOn_; }
 
   /// Return the present speed, turns per second, and the torque of the last cut on the motor, N m. Realtime: yes.
-  double turns() const noexcept { return speed_ * free_; }
+  double turns() const noexcept { return speed_ * bur_.turns; }
   double load() const noexcept { return load_; }
+  /// Return the obstacle that the last tick cut; -1: none. hold() returns the stiffness, N/m, with which its pit holds
+  /// the bur across the force F. The pit has the shape of the bur to within the height u of a cut surface over its
+  /// samples. So its radius exceeds that of the bur by 2 u, and the normal turns by a sideways way over 2 u: F / (2 u).
+  /// Realtime: yes.
+  int obstacle() const noexcept { return obstacle_; }
+  double hold() const noexcept { return obstacle_ < 0 ? 0.0 : 0.5 * force_.norm() / rough_; }
   /// Return the number of the part that cuts. Realtime: yes.
-  int part() const noexcept { return number_; }
+  int part() const noexcept { return bur_.part; }
 
   /// Correct the contacts before the renderer reads them, to account for the cut under way. Change gaps and the
   /// velocity at which the surface recedes. Limit the stiffness of contacts more than 26 deg off the force to 20 N/mm.
@@ -76,20 +82,20 @@ class Drill {
   const SolidCut& lastCut() const noexcept { return lastCut_; }
 
   /// Return the volume that the last tick removed, per layer, m^3. feed() returns the speed at which the surface
-  /// receded, m/s. Realtime: yes.
+  /// receded, m/s, and recession() that by Archard's law for a bur that cuts with its whole area. Realtime: yes.
   const RemovedVolume& removed() const noexcept { return removed_; }
   double feed() const noexcept { return feed_; }
+  double recession() const noexcept { return recession_; }
 
  private:
   void turn(double elapsed) noexcept;
 
+  Bur bur_;
   ToolPart part_;
-  int number_;
-  double removal_;                 // K v at the free speed, m^3 s^-1 Pa / N
-  double area_;                    // of the bur, m^2
-  double free_, torque_, follow_;  // 1/s; of the motor at rest, N m; its rate of change per load, 1/s
-  double drag_, runOut_;           // m
-  int blades_;
+  Mat3 axes_;       // of the bur, in P; z is its axis
+  double removal_;  // K v at the free speed, m^3 s^-1 Pa / N
+  double area_;     // of the bur, m^2
+  double follow_;   // rate at which the motor approaches its speed, 1/s; 0: the speed is constant
   bool isOn_ = false;
   double speed_ = 0.0;        // over the free one
   double phase_ = 0.0;        // of the rotation, turns
@@ -107,7 +113,7 @@ class Drill {
   double hardness_ = 0.0;
   RemovedVolume removed_{};
   SolidCut lastCut_;
-  double feed_ = 0.0;
+  double feed_ = 0.0, recession_ = 0.0;
 };
 
 }  // namespace enamel

@@ -38,6 +38,11 @@ class SceneMotion {
   /// Add an impulse of another device's tool, as in SuspendedState. Realtime: yes.
   void push(int obstacle, const Vec6& impulse) noexcept;
 
+  /// Add the force of a pit around the tool, across `normal` (W) at a point. It is that of a spring of `stiffness`,
+  /// N/m, by the way of the obstacle in the next step of `period` s: implicit Euler, as the suspension. Call it after
+  /// push(). Realtime: yes.
+  void hold(int obstacle, const Vec3& point, const Vec3& normal, double stiffness, double period) noexcept;
+
   /// Multiply all forces of push() by a factor. Realtime: yes.
   void scaleForces(double factor) noexcept;
 

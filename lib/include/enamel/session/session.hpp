@@ -94,13 +94,21 @@ class Session {
   /// share the obstacle: then replace() it.
   void moveVertices(ObstacleId id, std::vector<int> vertices, std::vector<Vec3> positions);
 
-  /// Replace the solid by a new copy, without cuts. Take changed bricks of a solid for drawing, as
-  /// SolidChanges::take(). After restore() and replace() they are changes of the new copy.
+  /// Replace the solid by a new copy, without cuts. Take the newest samples of a changed brick for drawing; return
+  /// false if no brick has changed. After restore() and replace() they are changes of the new copy.
   void restore(ObstacleId id);
   bool takeChange(ObstacleId id, BrickChange& change);
 
+  /// Begin a stroke of a solid, and undo the last one, as Solid::mark() and undo(). Without a stroke, undo() does
+  /// nothing. Throw Error also if two sessions share the obstacle: then restore() it.
+  void mark(ObstacleId id);
+  void undo(ObstacleId id);
+
   /// Return the solid as it was given, without cuts; null for other shapes. Its bricks have the numbers of the changes.
   std::shared_ptr<const Solid> solid(ObstacleId id) const;
+
+  /// Return a copy of the solid with the cuts that the loop has sent. After stop() these are all.
+  Solid cutSolid(ObstacleId id);
 
   // Guides, tool, renderer, control.
 
