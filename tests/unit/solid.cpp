@@ -309,6 +309,42 @@ TEST_CASE("solid: the minima in a freshly cut pit against all cells, one by one"
   CHECK(uncovered < minima / 50);  // a minimum between them was replaced by a nearer one
 }
 
+// A point walks and jumps around the block while a ball cuts it.
+TEST_CASE("solid: a cache does not change the nearest place, which is that of all cells", "[solid]") {
+  test::Random random(2206);
+  Solid solid = block(Vec3(3e-3, 2e-3, 1.5e-3));
+  const SimdLevel best = simdLevel();
+  SolidCache cache;
+  Vec3 p(0.0, 0.0, 1.7e-3), bur(0.0, 0.0, 1.9e-3);
+  for (int tick = 0; tick < test::count(2000, 50000); ++tick) {
+    p += 50e-6 * random.direction();
+    if (tick % 50 == 0) p = 4e-3 * random.direction();
+    const Vec3 next = bur + 30e-6 * random.direction() - 1e-6 * bur.cwiseSign();
+    if (tick % 2 == 0) (void)solid.cut({bur, bur}, {next, next}, 0.4e-3);
+    bur = next;
+    const double limit = tick % 5 == 0 ? 2e-3 : kNoLimit;
+    const SolidPoint found = signedDistance(solid, p, limit);
+    for (const SimdLevel level : {SimdLevel::baseline, SimdLevel::avx2, SimdLevel::avx512}) {
+      if (useSimdLevel(level) != level) continue;
+      SolidCache same = cache;
+      const SolidPoint other = signedDistance(solid, p, limit, &same);
+      REQUIRE(other.found == found.found);
+      REQUIRE(other.distance == found.distance);
+      REQUIRE(other.point == found.point);
+      REQUIRE(other.normal == found.normal);
+      if (level == best) cache = same;
+    }
+    useSimdLevel(best);
+    if (tick % 10 != 0) continue;
+    double nearest = limit / kCell;
+    for (const CellPlace& place : placesOf(solid, p, std::min(limit / kCell, 100.0)))
+      nearest = std::min(nearest, place.distance);
+    REQUIRE(found.found == (nearest < limit / kCell));
+    // A place in a cell is found to a thousandth of a cell.
+    if (found.found) CHECK(std::abs(found.distance) / kCell == Approx(nearest).margin(2e-3));
+  }
+}
+
 TEST_CASE("solid: outside of a ball the distance has one minimum, at every distance", "[solid]") {
   const Solid solid(MeshModel(test::transformed(test::ball(5), 3e-3, Vec3::Zero())), kTooth, {kCell});
   test::Random random(2205);

@@ -116,7 +116,7 @@ inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, Segme
 
 }  // namespace
 
-const Loops kBaselineLoops = {&closest,     &visit,      &visitSegment,   &closestToSegment,
-                              &visitMinima, &boundCells, &nearestOnCells, &cutBrick};
+const Loops kBaselineLoops = {&closest,  &visit,      &visitSegment,   &closestToSegment, &visitMinima,
+                              &seeCells, &boundCells, &nearestOnCells, &cutBrick};
 
 }  // namespace enamel::kernel

@@ -13,6 +13,7 @@ using namespace kernel;
 
 namespace {
 
+constexpr std::uint32_t kNoCell = ~0u;
 constexpr double kFarthest = 1.0;  // above half a diagonal: a cell with surface has a place so near its centre
 constexpr double kClose = 2.0 * kBrickCells;
 constexpr int kRounds = 8;      // of an axis and a patch
@@ -21,7 +22,8 @@ constexpr double kClear = 0.5;  // farther away the offset from the surface give
 constexpr double kAligned = 0.9396926207859084;  // cos 20 deg
 // Of minima within 30 deg the nearest represents the others, unless they are of two walls.
 constexpr double kRounded = 1.0 + 1e-6;  // larger than the error of a distance in float
-constexpr std::uint32_t kSlice = kBrickCells * kBrickCells;
+constexpr std::uint32_t kSlice = kBrickCells * kBrickCells, kBrickVolumeCells = kSlice * kBrickCells;
+constexpr double kFarAxis = 1e15;   // cells: squares are finite in float
 constexpr double kResolved = 0.25;  // times h^2 / R: the error of the interpolation
 
 // Remove the lane with the least estimate, and return it.
@@ -38,6 +40,7 @@ struct Nearest {
   double parameter = 0.0;
   Vec3 point = Vec3::Zero(), gradient = Vec3::UnitZ();
   bool found = false;
+  std::uint32_t cell = kNoCell;
 };
 
 }  // namespace
@@ -80,7 +83,7 @@ struct SolidQuery {
           const std::int32_t number = solid.brickAt(x, y, z);
           if (number < 0 || solid.hasSurface_[static_cast<std::size_t>(number)] == 0) continue;
           const Vec3 centre = kBrickCells * Vec3(x + 0.5, y + 0.5, z + 0.5);
-          const Vec3 q = centre - axisAt(parameterAt(centre));
+          const Vec3 q = perLength > 0.0 ? Vec3(centre - axisAt(parameterAt(centre))) : Vec3(centre - a);
           const double distance = perLength > 0.0 ? q.norm() - kBrickCells * kHalfCell
                                                   : (q.array().abs() - 0.5 * kBrickCells).max(0.0).matrix().norm();
           if (distance <= reach()) visit(number, distance);
@@ -114,11 +117,8 @@ struct SolidQuery {
       for (std::uint64_t left = brick.surface[z] & slice; left != 0; left &= left - 1) {
         const int bit = __builtin_ctzll(left), x = bit % kBrickCells, y = bit / kBrickCells;
         Eigen::Vector3f q(away[0][x], away[1][y], away[2][z]);
-        float t = 0.0f;
-        if (perSquared > 0.0f) {
-          t = std::clamp(-q.dot(along) * perSquared, 0.0f, 1.0f);
-          q += t * along;
-        }
+        const float t = std::clamp(-q.dot(along) * perSquared, 0.0f, 1.0f);
+        q += t * along;
         if (q.squaredNorm() > most * most) continue;
         visit(static_cast<std::uint32_t>((number * kBrickCells + z) * kBrickCells * kBrickCells + bit),
               brick.samples.data() + (z * kBrickSamples + y) * kBrickSamples + x, q, t);
@@ -126,10 +126,33 @@ struct SolidQuery {
     }
   }
 
+  // Add the cells of a brick within `reach` of the point.
+  void see(std::int32_t number, double reach, SeenCells& cells) const {
+    const Brick& brick = brickOf(number);
+    loops().seeCells(brick.surface.data(), brick.samples.data(), inBrick(brick).data(),
+                     static_cast<float>(std::min(reach, kFarAxis) * kRounded),
+                     static_cast<std::uint32_t>(number) * kBrickVolumeCells, &cells);
+  }
+
+  // The point relative to the corner of a brick.
+  Eigen::Vector3f inBrick(const Brick& brick) const {
+    return (a - cornerOf(brick)).cwiseMax(-kFarAxis).cwiseMin(kFarAxis).cast<float>();
+  }
+  static Vec3 placeInBrick(std::uint32_t cell) {
+    return Vec3(cell % kBrickCells, cell / kBrickCells % kBrickCells, cell / kSlice % kBrickCells);
+  }
+
+  // Whether a cell holds surface.
+  bool isMarked(std::uint32_t cell) const {
+    if (cell / kBrickVolumeCells >= static_cast<std::uint32_t>(solid.bricks())) return false;
+    return (brickOf(static_cast<std::int32_t>(cell / kBrickVolumeCells)).surface[cell / kSlice % kBrickCells] >>
+                (cell % kSlice) &
+            1) != 0;
+  }
+
   // First corner of a cell, and its sample.
   Vec3 lowOf(std::uint32_t cell) const {
-    const Vec3 inBrick(cell % kBrickCells, cell / kBrickCells % kBrickCells, cell / kSlice % kBrickCells);
-    return cornerOf(brickOf(static_cast<std::int32_t>(cell / (kSlice * kBrickCells)))) + inBrick;
+    return cornerOf(brickOf(static_cast<std::int32_t>(cell / (kSlice * kBrickCells)))) + placeInBrick(cell);
   }
   const float* samplesOf(std::uint32_t cell) const {
     const Brick& brick = brickOf(static_cast<std::int32_t>(cell / (kSlice * kBrickCells)));
@@ -141,21 +164,29 @@ struct SolidQuery {
     return kBrickCells * Vec3(brick.place[0], brick.place[1], brick.place[2]);
   }
 
+  static void bound(SeenCells& cells) {
+    for (int i = cells.count; i % kWidth != 0; ++i) {  // lanes without a cell
+      for (auto& row : cells.point) row[i] = 0.0f;
+      for (auto& row : cells.samples) row[i] = 0.0f;
+      cells.back[i] = cells.ahead[i] = 0.0f;
+    }
+    loops().boundCells(&cells);
+  }
+
   // Pass on the cells that may have a place within `reach()` of the axis, with bounds, as many as fit at a time.
   template <typename Reach, typename Visit>
   void forEachSeen(const Reach& reach, const Visit& visit) const {
     SeenCells cells(span);
     const auto hand = [&] {
-      for (int i = cells.count; i % kWidth != 0; ++i) {  // lanes without a cell
-        for (auto& row : cells.point) row[i] = 0.0f;
-        for (auto& row : cells.samples) row[i] = 0.0f;
-        cells.back[i] = cells.ahead[i] = 0.0f;
-      }
-      loops().boundCells(&cells);
+      bound(cells);
       visit(std::as_const(cells));
       cells.count = 0;
     };
     forEachBrick(reach, [&](std::int32_t number, double) {
+      if (perLength == 0.0) {
+        if (cells.count + static_cast<int>(kBrickVolumeCells) > CellRows::kMost) hand();
+        return see(number, reach(), cells);
+      }
       forEachCell(number, reach, [&](auto... cell) {
         if (cells.count == CellRows::kMost) hand();
         cells.add(cell...);
@@ -202,38 +233,100 @@ namespace {
 struct NearestSearch : SolidQuery {
   using SolidQuery::SolidQuery;
 
-  Nearest nearest(double limit) const {
-    const Nearest close = nearestWithin(std::min(limit, kClose));
-    return close.found || limit <= kClose ? close : nearestWithin(limit);
+  // `last`: a cell that is likely to hold the place, or kNoCell.
+  Nearest nearest(double limit, std::uint32_t last) const {
+    Nearest best{limit};
+    if (isMarked(last)) searchOne(last, best);
+    if (!(best.found && best.distance <= kClose)) {
+      const std::int32_t seed = nearestBrick(limit);
+      if (seed < 0) return best;
+      if (perLength == 0.0)
+        searchBrick(seed, best);
+      else
+        searchMiddle(seed, best);
+    }
+    if (perLength == 0.0)
+      searchPoint(best);
+    else
+      searchAxis(best);
+    return best;
   }
 
  private:
-  Nearest nearestWithin(double limit) const {
-    Nearest best{limit};
-    std::int32_t seed = -1;
-    double least = limit;
-    forEachBrick([&] { return least; },
-                 [&](std::int32_t number, double distance) {
-                   least = distance;
-                   seed = number;
-                 });
-    if (seed < 0) return best;
-    searchMiddle(seed, best);
-    searchAll(best);
-    if (best.found || best.distance == limit) return best;
-    Nearest any{limit};  // for the case that all of those cells have none
-    searchAll(any);
-    return any;
+  std::int32_t nearestBrick(double limit) const {
+    std::int32_t nearest = -1;
+    for (const double reach : {0.5 * kClose, kClose, limit}) {
+      double least = std::min(reach, limit);
+      forEachBrick([&] { return least; },
+                   [&](std::int32_t number, double distance) {
+                     least = distance;
+                     nearest = number;
+                   });
+      if (nearest >= 0 || reach >= limit) break;
+    }
+    return nearest;
   }
 
-  void searchAll(Nearest& best) const {
+  void searchOne(std::uint32_t number, Nearest& best) const {
+    SeenCells cells(span);
+    const Brick& brick = brickOf(static_cast<std::int32_t>(number / kBrickVolumeCells));
+    const Eigen::Vector3f q = inBrick(brick) - placeInBrick(number).cast<float>();
+    for (int i = 0; i < 3; ++i) cells.point[i][0] = q[i];
+    for (int i = 0; i < 8; ++i) cells.samples[i][0] = samplesOf(number)[kCorners[i]];
+    cells.cell[0] = number;
+    cells.count = 1;
+    bound(cells);
+    search(cells, 0, best);
+  }
+
+  // Search the cell of a brick with the least bound.
+  void searchBrick(std::int32_t brick, Nearest& best) const {
+    SeenCells cells(span);
+    see(brick, kFarAxis, cells);
+    bound(cells);
+    search(cells, static_cast<int>(std::min_element(cells.least, cells.least + cells.count) - cells.least), best);
+  }
+
+  // A few batches at a time: what they find shortens the rest.
+  void searchPoint(Nearest& best) const {
+    constexpr int kBatch = 2 * kWidth;
+    SeenCells cells(span);
+    const auto searchAll = [&] {
+      bound(cells);
+      for (int i = 0; i < cells.count; ++i)
+        if (boundOf(cells, i) <= best.distance) search(cells, i, best);
+      cells.count = 0;
+    };
+    forEachBrick([&] { return best.distance; },
+                 [&](std::int32_t number, double) {
+                   see(number, best.distance, cells);
+                   if (cells.count >= kBatch) searchAll();
+                 });
+    searchAll();
+  }
+
+  // Also of a curved surface.
+  static double boundOf(const SeenCells& cells, int i) {
+    return static_cast<double>(cells.least[i] - cells.flatness[i]);
+  }
+
+  // A cell counts with its distance or its bound, whichever is larger, so that the order of the search has no effect.
+  // Of equal ones the smaller number wins.
+  void search(const SeenCells& cells, int i, Nearest& best) const {
+    const std::uint32_t cell = cells.cell[i];
+    if (cell == best.cell) return;
+    Touch touch;
+    const Vec3 low = lowOf(cell);
+    if (!nearestOn(Patch(samplesOf(cell)), a - low, touch)) return;
+    const double distance = std::max((a - low - touch.point).norm(), boundOf(cells, i));
+    if (distance < best.distance || (distance == best.distance && best.found && cell < best.cell))
+      best = {distance, 0.0, low + touch.point, touch.gradient, true, cell};
+  }
+
+  void searchAxis(Nearest& best) const {
     forEachSeen([&] { return best.distance; },
                 [&](const SeenCells& cells) {
                   const Order order(cells, best.distance);
-                  for (int i = 0; perLength == 0.0 && i < cells.count && order.least(i) < best.distance; ++i)
-                    if (const int cell = order.cells[i]; static_cast<double>(cells.least[cell]) < best.distance)
-                      search(cells.cell[cell], 0.0, best);
-                  if (perLength == 0.0) return;  // the bounds of a point are close enough without estimates
                   CellPlaces places;
                   for (int first = 0; first < cells.count && order.least(first) < best.distance; first += kWidth) {
                     KnownMinima none;
@@ -263,7 +356,6 @@ struct NearestSearch : SolidQuery {
       const Vec3 way = axisAt(t) - low - touch.point;
       const double distance = way.norm();
       if (isOn && distance < best.distance) best = {distance, t, low + touch.point, touch.gradient, true};
-      if (perLength == 0.0) return;
       const double ahead = way.dot(span) * perLength;
       const int side = ahead < 0.0 ? -1 : 1;
       if (side == last) (side < 0 ? atBeyond : atBefore) *= 0.5;
@@ -282,18 +374,18 @@ struct NearestSearch : SolidQuery {
 
   // Search the cell with the nearest centre first; its result shortens the rest.
   void searchMiddle(std::int32_t brick, Nearest& best) const {
-    constexpr std::uint32_t kNone = ~0u;
     double least = kNoLimit, parameter = 0.0;
-    std::uint32_t chosen = kNone;
-    const auto reach = [&] { return std::min(least, best.distance); };
-    forEachCell(brick, reach, [&](std::uint32_t cell, const float*, const Eigen::Vector3f& q, float t) {
-      const auto distance = static_cast<double>(q.norm());
-      if (distance >= least) return;
-      least = distance;
-      parameter = static_cast<double>(t);
-      chosen = cell;
-    });
-    if (chosen == kNone) return;
+    std::uint32_t chosen = kNoCell;
+    forEachCell(
+        brick, [&] { return least; },
+        [&](std::uint32_t cell, const float*, const Eigen::Vector3f& q, float t) {
+          const auto distance = static_cast<double>(q.norm());
+          if (distance >= least) return;
+          least = distance;
+          parameter = static_cast<double>(t);
+          chosen = cell;
+        });
+    if (chosen == kNoCell) return;
     search(chosen, parameter, best);
     best.distance = std::min(best.distance, least * kRounded + kFarthest);  // also if it found no place
   }
@@ -444,16 +536,18 @@ struct MinimaSearch : SolidQuery {
 
 bool isInside(const Solid& solid, const Vec3& p) noexcept { return SolidQuery(solid, p, p).isInside(); }
 
-SolidPoint signedDistance(const Solid& solid, const Vec3& p, double limit) noexcept {
+SolidPoint signedDistance(const Solid& solid, const Vec3& p, double limit, SolidCache* cache) noexcept {
   if (!p.allFinite() || !(limit >= 0.0)) return SolidPoint();
   const NearestSearch query(solid, p, p);
-  return query.answer(query.nearest(limit / solid.cell()), query.isInside() ? -1.0 : 1.0);
+  const Nearest found = query.nearest(limit / solid.cell(), cache == nullptr ? kNoCell : cache->cell);
+  if (cache != nullptr && found.found) cache->cell = found.cell;
+  return query.answer(found, query.isInside() ? -1.0 : 1.0);
 }
 
 SolidPoint closestToSegment(const Solid& solid, const Segment& segment, double limit) noexcept {
   if (!segment.a.allFinite() || !segment.b.allFinite() || !(limit >= 0.0)) return SolidPoint();
   const NearestSearch query(solid, segment.a, segment.b);
-  return query.answer(query.nearest(limit / solid.cell()), 1.0);
+  return query.answer(query.nearest(limit / solid.cell(), kNoCell), 1.0);
 }
 
 void kernel::findMinima(const Solid& solid, const Vec3& p, double reach, SolidMinima& minima) noexcept {
