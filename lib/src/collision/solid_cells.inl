@@ -1,5 +1,5 @@
 // Selects the cells of a solid that may hold the result, by the tangent planes at their centres. In float, as it only
-// selects, and many cells at once. Included by solid_query.cpp.
+// selects, and many cells at once. Included by solid_axis.inl.
 #pragma once
 
 #include <algorithm>
