@@ -61,8 +61,6 @@ void seeCells(const uint64_t* marked, const float* samples, const float point[3]
   cells->count = count;
 }
 
-inline V plainDot(const V3& a, const V3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 // The trilinear interpolation of the corners' samples and its gradient.
 inline V interpolate(const V* s, const V3& u, V3& gradient) {
   const V front = s[1] - s[0], back = s[3] - s[2], above = s[5] - s[4], behind = s[7] - s[6];

@@ -31,7 +31,8 @@ struct PartCache {
   }
 };
 
-/// What the last tick found between a place on an axis and a solid. A cut leaves less material, so that `clear` holds.
+/// Knowledge about a place on an axis and a solid from the last tick. A cut leaves less material, so that `clear`
+/// holds.
 struct SolidNear {
   Vec3 point = Vec3::Zero();
   double clear = -1.0;  ///< lower bound of the distance of the surface from the point, outside
