@@ -111,6 +111,7 @@ TEST_CASE("solid: distances against the exact mesh", "[solid]") {
 TEST_CASE("solid: nearest to a segment is nearest to one of its points", "[solid]") {
   const Solid solid(MeshModel(test::transformed(test::ball(4, 0.1), 3e-3, Vec3::Zero())), kTooth, {kCell});
   test::Random random(2202);
+  SolidCache anywhere;  // of the last segment, which was elsewhere
   for (int i = 0; i < test::count(200, 5000); ++i) {
     const Segment segment{random.ofLength(3.5e-3, 6e-3), random.ofLength(3.5e-3, 6e-3)};
     double least = kNoLimit;
@@ -129,6 +130,8 @@ TEST_CASE("solid: nearest to a segment is nearest to one of its points", "[solid
     const Vec3 there = segment.a + found.parameter * (segment.b - segment.a);
     CHECK((there - found.point).norm() == Approx(found.distance));
     CHECK_FALSE(closestToSegment(solid, segment, 0.9 * found.distance).found);
+    const SolidPoint again = kernel::closestToSegment(solid, segment, kNoLimit, anywhere);
+    CHECK(again.distance == Approx(found.distance).margin(0.02 * kCell));
   }
 }
 

@@ -132,7 +132,7 @@ struct SegmentAnswer {
 
 /// Cells of a solid around an axis, by component, so that 16 are computed at once. Lengths are in cells.
 struct CellRows {
-  static constexpr int kMost = 63 * kWidth;  ///< not a power of two: rows would share cache lines
+  static constexpr int kMost = 95 * kWidth;  ///< not a power of two: rows would share cache lines
   int32_t count;
   float axis[3];            ///< unit vector; zero for a point, which has no `back` and `ahead`
   uint32_t cell[kMost];     ///< number of the brick, z, y, x

@@ -18,7 +18,8 @@ struct NearestSearch : SolidQuery {
   // `last`: a cell that is likely to hold the place, or kNoCell.
   Nearest nearest(double limit, std::uint32_t last) const {
     Nearest best{limit};
-    if (isMarked(last)) searchOne(last, best);
+    if (isMarked(last) && perLength == 0.0) searchOne(last, best);
+    if (isMarked(last) && perLength > 0.0) search(last, parameterAt(lowOf(last) + Vec3::Constant(0.5)), best);
     if (!(best.found && best.distance <= kClose)) {
       const std::int32_t seed = nearestBrick(limit);
       if (seed < 0) return best;
@@ -137,7 +138,7 @@ struct NearestSearch : SolidQuery {
       const bool isOn = nearestOn(patch, axisAt(t) - low, touch);
       const Vec3 way = axisAt(t) - low - touch.point;
       const double distance = way.norm();
-      if (isOn && distance < best.distance) best = {distance, t, low + touch.point, touch.gradient, true};
+      if (isOn && distance < best.distance) best = {distance, t, low + touch.point, touch.gradient, true, cell};
       const double ahead = way.dot(span) * perLength;
       const int side = ahead < 0.0 ? -1 : 1;
       if (side == last) (side < 0 ? atBeyond : atBefore) *= 0.5;
@@ -186,9 +187,17 @@ SolidPoint signedDistance(const Solid& solid, const Vec3& p, double limit, Solid
 }
 
 SolidPoint closestToSegment(const Solid& solid, const Segment& segment, double limit) noexcept {
+  SolidCache none;
+  return kernel::closestToSegment(solid, segment, limit, none);
+}
+
+SolidPoint kernel::closestToSegment(const Solid& solid, const Segment& segment, double limit,
+                                    SolidCache& cache) noexcept {
   if (!segment.a.allFinite() || !segment.b.allFinite() || !(limit >= 0.0)) return SolidPoint();
   const NearestSearch query(solid, segment.a, segment.b);
-  return query.answer(query.nearest(limit / solid.cell(), kNoCell), 1.0);
+  const Nearest found = query.nearest(limit / solid.cell(), cache.cell);
+  if (found.found) cache.cell = found.cell;
+  return query.answer(found, 1.0);
 }
 
 }  // namespace enamel
