@@ -77,6 +77,7 @@ int compare(const std::string& name, const TriangleMesh& mesh, int count, int se
   CHECK_FALSE(data.sound);
   test::Random random(seed);
   const double size = test::sizeOf(mesh);
+  const SimdLevel best = simdLevel();
   int inside = 0;
   for (int i = 0; i < count; ++i) {
     const Vec3 p = i % 2 == 0
@@ -89,6 +90,10 @@ int compare(const std::string& name, const TriangleMesh& mesh, int count, int se
     if (std::abs(found.distance) > 1e-7 * data.size) {
       REQUIRE(std::abs(kernel::windingNumber(data, p, 2.0) - winding) < kCoarse);
       if (i % 16 == 0) REQUIRE(std::abs(kernel::windingNumber(data, p, 8.0) - winding) < kStated);
+      const double here = kernel::windingNumber(data, p, 2.0);
+      for (const SimdLevel level : {SimdLevel::baseline, SimdLevel::avx2, SimdLevel::avx512})
+        if (useSimdLevel(level) == level) REQUIRE(kernel::windingNumber(data, p, 2.0) == here);
+      useSimdLevel(best);
     }
     if (std::abs(winding - 0.5) < kStated || std::abs(found.distance) < 1e-7 * data.size) continue;
     const bool isBeyond = ((p - data.low).array() < 0.0).any() || ((data.high - p).array() < 0.0).any();

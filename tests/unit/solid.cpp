@@ -111,6 +111,7 @@ TEST_CASE("solid: distances against the exact mesh", "[solid]") {
 TEST_CASE("solid: nearest to a segment is nearest to one of its points", "[solid]") {
   const Solid solid(MeshModel(test::transformed(test::ball(4, 0.1), 3e-3, Vec3::Zero())), kTooth, {kCell});
   test::Random random(2202);
+  SolidCache anywhere;  // of the last segment, which was elsewhere
   for (int i = 0; i < test::count(200, 5000); ++i) {
     const Segment segment{random.ofLength(3.5e-3, 6e-3), random.ofLength(3.5e-3, 6e-3)};
     double least = kNoLimit;
@@ -129,6 +130,8 @@ TEST_CASE("solid: nearest to a segment is nearest to one of its points", "[solid
     const Vec3 there = segment.a + found.parameter * (segment.b - segment.a);
     CHECK((there - found.point).norm() == Approx(found.distance));
     CHECK_FALSE(closestToSegment(solid, segment, 0.9 * found.distance).found);
+    const SolidPoint again = kernel::closestToSegment(solid, segment, kNoLimit, anywhere);
+    CHECK(again.distance == Approx(found.distance).margin(0.02 * kCell));
   }
 }
 
@@ -307,6 +310,42 @@ TEST_CASE("solid: the minima in a freshly cut pit against all cells, one by one"
   }
   CHECK(minima > 1000);
   CHECK(uncovered < minima / 50);  // a minimum between them was replaced by a nearer one
+}
+
+// A point walks and jumps around the block while a ball cuts it.
+TEST_CASE("solid: a cache does not change the nearest place, which is that of all cells", "[solid]") {
+  test::Random random(2206);
+  Solid solid = block(Vec3(3e-3, 2e-3, 1.5e-3));
+  const SimdLevel best = simdLevel();
+  SolidCache cache;
+  Vec3 p(0.0, 0.0, 1.7e-3), bur(0.0, 0.0, 1.9e-3);
+  for (int tick = 0; tick < test::count(2000, 50000); ++tick) {
+    p += 50e-6 * random.direction();
+    if (tick % 50 == 0) p = 4e-3 * random.direction();
+    const Vec3 next = bur + 30e-6 * random.direction() - 1e-6 * bur.cwiseSign();
+    if (tick % 2 == 0) (void)solid.cut({bur, bur}, {next, next}, 0.4e-3);
+    bur = next;
+    const double limit = tick % 5 == 0 ? 2e-3 : kNoLimit;
+    const SolidPoint found = signedDistance(solid, p, limit);
+    for (const SimdLevel level : {SimdLevel::baseline, SimdLevel::avx2, SimdLevel::avx512}) {
+      if (useSimdLevel(level) != level) continue;
+      SolidCache same = cache;
+      const SolidPoint other = signedDistance(solid, p, limit, &same);
+      REQUIRE(other.found == found.found);
+      REQUIRE(other.distance == found.distance);
+      REQUIRE(other.point == found.point);
+      REQUIRE(other.normal == found.normal);
+      if (level == best) cache = same;
+    }
+    useSimdLevel(best);
+    if (tick % 10 != 0) continue;
+    double nearest = limit / kCell;
+    for (const CellPlace& place : placesOf(solid, p, std::min(limit / kCell, 100.0)))
+      nearest = std::min(nearest, place.distance);
+    REQUIRE(found.found == (nearest < limit / kCell));
+    // A place in a cell is found to a thousandth of a cell.
+    if (found.found) CHECK(std::abs(found.distance) / kCell == Approx(nearest).margin(2e-3));
+  }
 }
 
 TEST_CASE("solid: outside of a ball the distance has one minimum, at every distance", "[solid]") {

@@ -5,12 +5,61 @@
 
 #include "lanes.inl"
 
+constexpr int kCellsOfBrick = kBrickEdge - 1;
 constexpr float kNoSlope = 1e-6f;             // squared gradient
 constexpr float kBesideCell = 0.25f;          // cells: from the end of a way along the normal to the cell
 constexpr float kAlignedCosine = 0.9396926f;  // of 20 deg: way and normal at a minimum
 constexpr float kSmooth = 0.1f, kHalfDiagonal = 0.8660254f;
 
-inline V plainDot(const V3& a, const V3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+// The centres of the cells of two rows of a slice, along the rows and across them.
+struct Ramp {
+  float x[kWidth], y[4][kWidth];
+};
+constexpr Ramp makeRamp() {
+  Ramp ramp{};
+  for (int i = 0; i < kWidth; ++i) {
+    ramp.x[i] = static_cast<float>(i % kCellsOfBrick) + 0.5f;
+    for (int pair = 0; pair < 4; ++pair) ramp.y[pair][i] = static_cast<float>(2 * pair + i / kCellsOfBrick) + 0.5f;
+  }
+  return ramp;
+}
+constexpr Ramp kCentres = makeRamp();
+
+inline V squaredBeyond(float point, const float* centres) {
+  const V beyond = positive(absolute(load(centres) - set(point)) - set(0.5f));
+  return beyond * beyond;
+}
+
+void seeCells(const uint64_t* marked, const float* samples, const float point[3], float reach, uint32_t number,
+              CellRows* cells) {
+  static_assert(2 * kCellsOfBrick == kWidth);
+  constexpr int kPairs = kCellsOfBrick / 2, kBack = kBrickEdge, kUp = kBrickEdge * kBrickEdge;
+  V rows[kPairs];  // two rows of a slice at a time
+  for (int pair = 0; pair < kPairs; ++pair)
+    rows[pair] = squaredBeyond(point[0], kCentres.x) + squaredBeyond(point[1], kCentres.y[pair]);
+  float slices[kWidth], away[3][kWidth];
+  store(slices, squaredBeyond(point[2], kCentres.x));
+  for (int i = 0; i < 3; ++i) store(away[i], set(point[i]) - (load(kCentres.x) - set(0.5f)));
+  int count = cells->count;
+  for (int z = 0; z < kCellsOfBrick; ++z) {
+    if (marked[z] == 0) continue;
+    const V left = set(reach * reach - slices[z]);
+    uint64_t near = 0;
+    for (int pair = 0; pair < kPairs; ++pair)
+      near |= static_cast<uint64_t>(lessOrEqualMask(rows[pair], left) & 0xffffu) << (kWidth * pair);
+    for (near &= marked[z]; near != 0; near &= near - 1, ++count) {
+      const unsigned bit = static_cast<unsigned>(__builtin_ctzll(near)), x = bit % kCellsOfBrick,
+                     y = bit / kCellsOfBrick;
+      const float* s = samples + z * kUp + static_cast<int>(y * kBack + x);
+      cells->cell[count] = number + static_cast<unsigned>(z * kCellsOfBrick * kCellsOfBrick) + bit;
+      cells->point[0][count] = away[0][x];
+      cells->point[1][count] = away[1][y];
+      cells->point[2][count] = away[2][z];
+      for (int i = 0; i < 8; ++i) cells->samples[i][count] = s[(i >> 2) * kUp + (i >> 1 & 1) * kBack + (i & 1)];
+    }
+  }
+  cells->count = count;
+}
 
 // The trilinear interpolation of the corners' samples and its gradient.
 inline V interpolate(const V* s, const V3& u, V3& gradient) {
@@ -58,19 +107,23 @@ inline void stepInCells(V value, V3 gradient, V3 way, V3& u) {
   }
 }
 
+inline bool isPoint(const CellRows& cells) {
+  return cells.axis[0] == 0.0f && cells.axis[1] == 0.0f && cells.axis[2] == 0.0f;
+}
 inline V3 axisOf(const CellRows& cells) { return {{set(cells.axis[0]), set(cells.axis[1]), set(cells.axis[2])}}; }
 
 // The first place is that of the tangent plane at the centre; then one step, and one back to the surface.
 void nearestOnCells(const CellRows& cells, const int16_t* which, int count, const KnownMinima& known,
                     CellPlaces* places) {
-  float corners[8][kWidth], points[3][kWidth], flatness[kWidth], back[kWidth], ahead[kWidth];
+  float corners[8][kWidth], points[3][kWidth], flatness[kWidth], back[kWidth] = {}, ahead[kWidth] = {};
+  const bool hasAxis = !isPoint(cells);
   for (int lane = 0; lane < kWidth; ++lane) {
     const int cell = which[lane < count ? lane : 0];
     for (int i = 0; i < 8; ++i) corners[i][lane] = cells.samples[i][cell];
     for (int i = 0; i < 3; ++i) points[i][lane] = cells.point[i][cell];
     flatness[lane] = cells.flatness[cell];
-    back[lane] = cells.back[cell];
-    ahead[lane] = cells.ahead[cell];
+    if (hasAxis) back[lane] = cells.back[cell];
+    if (hasAxis) ahead[lane] = cells.ahead[cell];
   }
   V s[8];
   V3 q, u, gradient, way;
@@ -124,7 +177,8 @@ void nearestOnCells(const CellRows& cells, const int16_t* which, int count, cons
 // The tangent plane at the centre of a cell bounds the distance of the surface in it: the surface is within `flatness`
 // of the plane, and in the cell. A smooth surface may be nearer by some hundredths of a cell: in a pit that fits the
 // bur, all places are about equally near.
-void boundCells(CellRows* cells) {
+template <bool kHasAxis>
+inline void boundCellsOf(CellRows* cells) {
   const V3 axis = axisOf(*cells);
   const V zero = set(0.0f), half = set(0.5f);
   for (int first = 0; first < cells->count; first += kWidth) {
@@ -141,20 +195,24 @@ void boundCells(CellRows* cells) {
     const V xy = absolute(x10 - x00) + absolute(x11 - x01), xz = absolute(x01 - x00) + absolute(x11 - x10);
     const V twist = xy + xz + absolute(y1 - y0) + absolute((x11 - x01) - (x10 - x00));
     const V flatness = set(0.125f) * twist * perNorm;
-    const V back = load(cells->back + first), ahead = load(cells->ahead + first), furthest = maximum(back, ahead);
-    const V climb = plainDot(gradient, axis), rise = climb * perSquared;  // of the axis from the plane
-    V aside = zero;  // from the plane's place nearest to q to the cell
-    for (int i = 0; i < 3; ++i) {
-      const V slide = absolute(axis[i] - rise * gradient[i]) * furthest;
-      const V outside = positive(absolute(q[i] - share * gradient[i]) - slide - half - flatness);
-      aside = aside + outside * outside;
+    V outside[3];  // from the plane's place nearest to q to the cell
+    for (int i = 0; i < 3; ++i) outside[i] = absolute(q[i] - share * gradient[i]) - half - flatness;
+    V rise = absolute(height);
+    if (kHasAxis) {
+      const V back = load(cells->back + first), ahead = load(cells->ahead + first), furthest = maximum(back, ahead);
+      const V climb = plainDot(gradient, axis), perHeight = climb * perSquared;  // of the axis from the plane
+      for (int i = 0; i < 3; ++i) outside[i] = outside[i] - absolute(axis[i] - perHeight * gradient[i]) * furthest;
+      const V away = selectGreater(height, zero, climb, zero - climb);  // > 0: nearer to the plane if it goes back
+      rise = rise - maximum(away * back, (zero - away) * ahead);
     }
+    V aside = zero;
+    for (int i = 0; i < 3; ++i) aside = aside + positive(outside[i]) * positive(outside[i]);
     const V slack = selectGreater(set(kSmooth), flatness, set(0.1f) * flatness, flatness);
-    const V away = selectGreater(height, zero, climb, zero - climb);  // > 0: nearer to the plane if it goes back
-    const V gain = maximum(away * back, (zero - away) * ahead);
-    const V above = positive((absolute(height) - gain) * perNorm - slack);
+    const V above = positive(rise * perNorm - slack);
     const V least = maximum(root(above * above + aside), root(plainDot(q, q)) - set(kHalfDiagonal));
     store(cells->least + first, least);
     store(cells->flatness + first, flatness);
   }
 }
+
+void boundCells(CellRows* cells) { isPoint(*cells) ? boundCellsOf<false>(cells) : boundCellsOf<true>(cells); }

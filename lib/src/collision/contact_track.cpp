@@ -189,6 +189,7 @@ Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, do
     const bool isHeld = state == PartTrack::State::held;
     out.from = isHeld ? &part.axis : nullptr;
     out.actual = isHeld ? &axis : nullptr;
+    out.near = &part.near;
     addPart(obstacle, isHeld ? part.axis : axis, radius, known, out);
   };
   const auto parts = static_cast<std::size_t>(tool.count);

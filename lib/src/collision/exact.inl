@@ -313,3 +313,20 @@ static inline void closestToAxis(const Triangle* t, const Axis* axis, SegmentCan
     best->feature = c.feature;
   }
 }
+
+// Half the solid angle of a triangle is the argument of this complex number (van Oosterom & Strackee 1983, eq. 8).
+static inline void solidAngle(const Triangle* t, const double* p, double* re, double* im) {
+  double v[3][3], length[3], normal[3];
+  for (int i = 0; i < 3; ++i) {
+    subtract(t->corner[i], p, v[i]);
+    length[i] = __builtin_sqrt(dot(v[i], v[i]));
+  }
+  cross(v[1], v[2], normal);
+  const double y = dot(v[0], normal);
+  const double x = length[0] * length[1] * length[2] + dot(v[0], v[1]) * length[2] + dot(v[1], v[2]) * length[0] +
+                   dot(v[2], v[0]) * length[1];
+  const double size = absolute(x) + absolute(y);
+  const bool isSeen = t->index >= 0 && size > 0.0;
+  *re = isSeen ? x / size : 1.0;
+  *im = isSeen ? y / size : 0.0;
+}

@@ -250,3 +250,28 @@ static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis
   finishOnAxis(t[lane], &found, nearest);
   return lane;
 }
+
+// solidAngle() for the triangles of a leaf.
+static inline void solidAngles(const Triangle* triangles, const double* point, double* re, double* im) {
+  const __m256d sign = _mm256_set1_pd(-0.0), zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0);
+  for (int first = 0; first < kWidth; first += 4) {
+    const Triangle* const t = triangles + first;
+    const Triangle* const four[4] = {t, t + 1, t + 2, t + 3};
+    __m256d v[9], length[3], normal[3];
+    loadCorners4(four, v);
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) v[3 * i + k] = _mm256_sub_pd(v[3 * i + k], _mm256_set1_pd(point[k]));
+      length[i] = _mm256_sqrt_pd(dot4(v + 3 * i, v + 3 * i));
+    }
+    cross4(v + 3, v + 6, normal);
+    const __m256d y = dot4(v, normal);
+    __m256d x = _mm256_mul_pd(_mm256_mul_pd(length[0], length[1]), length[2]);
+    for (int i = 0; i < 3; ++i)
+      x = _mm256_add_pd(x, _mm256_mul_pd(dot4(v + 3 * i, v + (3 * i + 3) % 9), length[(i + 2) % 3]));
+    const __m256d size = _mm256_add_pd(_mm256_andnot_pd(sign, x), _mm256_andnot_pd(sign, y));
+    const __m256d index = _mm256_setr_pd(t[0].index, t[1].index, t[2].index, t[3].index);
+    const __m256d isSeen = _mm256_and_pd(_mm256_cmp_pd(index, zero, _CMP_GE_OQ), _mm256_cmp_pd(size, zero, _CMP_GT_OQ));
+    _mm256_storeu_pd(re + first, _mm256_blendv_pd(one, _mm256_div_pd(x, size), isSeen));
+    _mm256_storeu_pd(im + first, _mm256_and_pd(_mm256_div_pd(y, size), isSeen));
+  }
+}

@@ -132,9 +132,10 @@ struct SegmentAnswer {
 
 /// Cells of a solid around an axis, by component, so that 16 are computed at once. Lengths are in cells.
 struct CellRows {
-  static constexpr int kMost = 63 * kWidth;  ///< not a power of two: rows would share cache lines
+  static constexpr int kMost = 95 * kWidth;  ///< not a power of two: rows would share cache lines
   int32_t count;
-  float axis[3];            ///< unit vector; zero for a point
+  float axis[3];            ///< unit vector; zero for a point, which has no `back` and `ahead`
+  uint32_t cell[kMost];     ///< number of the brick, z, y, x
   float point[3][kMost];    ///< place of the axis, relative to the first corner of the cell
   float back[kMost];        ///< the place nearest to the cell may be up to this length back along the axis
   float ahead[kMost];       ///< or ahead
@@ -205,6 +206,16 @@ struct Loops {
   /// Visit every triangle within `reach` that may hold a local minimum of the distance from the point: Leaf::front or
   /// back permits the direction.
   void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);
+  /// Compute the solid angles of 16 children of a node from their moments, as seen from a point in local coordinates.
+  /// Returns bits of those farther away than `accept` times their radius. The same bits at every SIMD level.
+  unsigned (*clusterAngles)(const MomentRows& moments, const double point[3], float accept, float* angles);
+  /// Compute the solid angles of 16 triangles of a leaf: each is twice the argument of re + i im, and |re| + |im| = 1.
+  /// It is 0 in an unused slot. The same bits at every SIMD level.
+  void (*solidAngles)(const Triangle* triangles, const double point[3], double* re, double* im);
+  /// Append the cells of a brick whose boxes are within `reach` of a point: as many as 512. `number`: of the first cell
+  /// of the brick, whose marked cells are bits x + 8 y of entry z. The same bits at every SIMD level.
+  void (*seeCells)(const uint64_t* marked, const float* samples, const float point[3], float reach, uint32_t number,
+                   CellRows* cells);
   /// Bound the distances of cells of a solid. The same bits at every SIMD level. Writes up to 15 rows after the last
   /// cell.
   void (*boundCells)(CellRows* cells);

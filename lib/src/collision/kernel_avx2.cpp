@@ -51,7 +51,7 @@ inline void compressNumbers(int32_t first, const Chosen& lanes, int32_t* p) {
 
 }  // namespace
 
-const Loops kAvx2Loops = {&closest,     &visit,      &visitSegment,   &closestToSegment,
-                          &visitMinima, &boundCells, &nearestOnCells, &cutBrick};
+const Loops kAvx2Loops = {&closest,     &visit,    &visitSegment, &closestToSegment, &visitMinima, &clusterAngles,
+                          &solidAngles, &seeCells, &boundCells,   &nearestOnCells,   &cutBrick};
 
 }  // namespace enamel::kernel

@@ -43,7 +43,7 @@ inline void compressNumbers(int32_t first, Chosen lanes, int32_t* p) {
 
 }  // namespace
 
-const Loops kAvx512Loops = {&closest,     &visit,      &visitSegment,   &closestToSegment,
-                            &visitMinima, &boundCells, &nearestOnCells, &cutBrick};
+const Loops kAvx512Loops = {&closest,     &visit,    &visitSegment, &closestToSegment, &visitMinima, &clusterAngles,
+                            &solidAngles, &seeCells, &boundCells,   &nearestOnCells,   &cutBrick};
 
 }  // namespace enamel::kernel

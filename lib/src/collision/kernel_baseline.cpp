@@ -112,11 +112,15 @@ inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, Segme
       t, [axis](const Triangle* one, SegmentCandidate* c) { closestToAxis(one, axis, c); }, nearest);
 }
 
+inline void solidAngles(const Triangle* triangles, const double* point, double* re, double* im) {
+  for (int i = 0; i < kWidth; ++i) solidAngle(triangles + i, point, re + i, im + i);
+}
+
 #include "kernel_loops.inl"
 
 }  // namespace
 
-const Loops kBaselineLoops = {&closest,     &visit,      &visitSegment,   &closestToSegment,
-                              &visitMinima, &boundCells, &nearestOnCells, &cutBrick};
+const Loops kBaselineLoops = {&closest,     &visit,    &visitSegment, &closestToSegment, &visitMinima, &clusterAngles,
+                              &solidAngles, &seeCells, &boundCells,   &nearestOnCells,   &cutBrick};
 
 }  // namespace enamel::kernel

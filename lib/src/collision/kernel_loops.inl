@@ -2,5 +2,6 @@
 // closestOfFour and closestToAxisOfFour of exact_four.inl. Everything has internal linkage.
 #include "brick_cut.inl"
 #include "cell_search.inl"
+#include "clusters.inl"
 #include "minima.inl"
 #include "point_search.inl"

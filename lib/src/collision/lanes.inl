@@ -28,6 +28,7 @@ struct V3 {
   const V& operator[](int i) const { return at[i]; }
 };
 
+inline V plainDot(const V3& a, const V3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 inline V dot(const V3& a, const V3& b) { return mad(a[0], b[0], mad(a[1], b[1], a[2] * b[2])); }
 inline V dotPlus(const V3& a, const V3& b, V c) { return mad(a[0], b[0], mad(a[1], b[1], mad(a[2], b[2], c))); }
 inline V squaredLength(const V3& a) { return mad(a[2], a[2], mad(a[1], a[1], a[0] * a[0])); }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <tuple>
 #include <utility>
 
 namespace enamel::kernel {
@@ -10,6 +11,7 @@ namespace {
 constexpr double kSameDirection = 0.9659258262890683;  // cos 15 deg
 constexpr double kClearlyNearer = 1e-9;                // m
 constexpr double kSolidNear = 2e-4;                    // m, of a solid's gaps: at larger gaps one contact is enough
+constexpr double kSolidError = 0.01;                   // cells, of the distance of a solid, with margin
 constexpr double kClear = 1e-6;                        // of the size: larger offsets from the surface give the normal
 constexpr double kSurely = 1e-12;                      // of the size: larger distances are not rounding errors
 constexpr double kNearly = 1e-6;                       // of the reach: larger than rounding errors
@@ -238,21 +240,37 @@ const SolidMinima& minimaAt(const Solid& solid, const Vec3& p, double reach, std
   return end->minima;
 }
 
+// Lower bound of the distance of a point outside, by what is known from an earlier tick.
+double clearanceOf(const Solid& solid, const Vec3& p, const SolidNear* known) {
+  if (known == nullptr || known->restorations != solid.restorations()) return -1.0;
+  return known->clear - (p - known->point).norm() - kSolidError * solid.cell();
+}
+
 // A place between the ends counts only if it is nearer than both, as for a mesh. The search along the axis spares those
 // at ends that it shows to be too far away, or finds itself.
 void addPart(const Solid& solid, const Segment& axis, double radius, PartCache*, Collector& out) {
   const double reach = out.reachOf(radius);
   SolidPoint between;
   const auto addSphere = [&](const Vec3& p, bool isBehind, double parameter) {
-    if (!isBehind && !(between.found && between.distance > radius + kSolidNear)) {
-      const double near = std::min(reach, radius + kSolidNear);
+    const double near = std::min(reach, radius + kSolidNear);
+    SolidNear* const known = parameter == 0.0 ? out.near : nullptr;
+    const auto remember = [&](double distance) {
+      if (known != nullptr)
+        std::tie(known->point, known->clear, known->restorations) = std::tuple(p, distance, solid.restorations());
+      return distance;
+    };
+    if (!isBehind && !(between.found && between.distance > radius + kSolidNear) &&
+        !(clearanceOf(solid, p, known) > near)) {
       const SolidMinima& minima = minimaAt(solid, p, near, *out.solid);
       for (int i = 0; i < minima.count && minima.all[i].distance <= near; ++i) out.add(p, minima.all[i], radius);
-      if (minima.count > 0 && minima.all[0].distance <= near) return minima.all[0].distance;
+      if (minima.count > 0 && minima.all[0].distance <= near) return remember(minima.all[0].distance);
     }
     const bool isKnown = between.found && between.parameter == parameter;
-    const SolidPoint nearest = isKnown ? between : signedDistance(solid, p, isBehind ? kNoLimit : reach);
+    const SolidPoint nearest =
+        isKnown ? between
+                : signedDistance(solid, p, isBehind ? kNoLimit : reach, known == nullptr ? nullptr : &known->cache);
     if (nearest.found) out.add(p, nearest, radius);
+    remember(nearest.found ? nearest.distance : reach);
     return nearest.distance;
   };
   const bool isSphere = axis.a == axis.b, isBehindA = isInside(solid, axis.a);

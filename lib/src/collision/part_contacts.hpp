@@ -41,6 +41,7 @@ struct Collector {
   bool isOutside = false;                            ///< the axis is known to be outside
   double pad = 0.0;                                  ///< of a sheet: half its thickness, added to all radii
   const Segment *from = nullptr, *actual = nullptr;  ///< if set: the queried axis `from` replaces the axis `actual`
+  SolidNear* near = nullptr;                         ///< if set: of the part's end a in an earlier tick
 
   double reachOf(double radius) const { return radius + std::max(margin, 0.0); }
 

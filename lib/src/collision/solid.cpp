@@ -387,10 +387,10 @@ int Solid::brickAt(const Vec3& p) const noexcept {
 }
 
 int Solid::layerAt(const Vec3& p) const noexcept {
-  const Vec3 nearest = ((p - origin_) / cell_).array().round();
+  const Vec3 around = (p - origin_) / cell_ + Vec3::Constant(0.5);  // the next lower number is the nearest sample
   for (int i = 0; i < 3; ++i)
-    if (!(nearest[i] >= 0.0 && nearest[i] < static_cast<double>(kBrickCells) * count_[i])) return 0;
-  const Eigen::Vector3i at = nearest.cast<int>();
+    if (!(around[i] >= 0.0 && around[i] < static_cast<double>(kBrickCells) * count_[i])) return 0;
+  const Eigen::Vector3i at = around.cast<int>();
   const std::int32_t brick = brickAt(at[0] / kBrickCells, at[1] / kBrickCells, at[2] / kBrickCells);
   if (brick < 0) return 0;
   return bricks_[static_cast<std::size_t>(brick)]

@@ -1,5 +1,5 @@
 // Selects the cells of a solid that may hold the result, by the tangent planes at their centres. In float, as it only
-// selects, and many cells at once. Included by solid_query.cpp.
+// selects, and many cells at once. Included by solid_axis.inl.
 #pragma once
 
 #include <algorithm>
@@ -24,9 +24,8 @@ inline std::uint32_t cellsBetween(double from, double to) {
 
 // Cells and the place of the axis nearest to their centres.
 struct SeenCells : CellRows {
-  std::array<std::uint32_t, kMost> cell;  // number of the brick, z, y, x
-  std::array<float, kMost> parameter;     // of the place
-  float length;                           // of the axis
+  std::array<float, kMost> parameter;  // of the place
+  float length;                        // of the axis
 
   explicit SeenCells(const Vec3& span) : length(static_cast<float>(span.norm())) {
     count = 0;

@@ -1,5 +1,5 @@
 // The surface of a solid in one cell: the zeros of a trilinear interpolation, and the nearest of them to a point.
-// Lengths are in cells, places are relative to the cell's corner. Included by solid_query.cpp.
+// Lengths are in cells, places are relative to the cell's corner. Included by solid_cells.inl.
 #pragma once
 
 #include <algorithm>

@@ -21,6 +21,10 @@ struct SolidMinima {
 /// Find the minima nearer than `reach` to a point outside of the solid. Realtime: yes.
 void findMinima(const Solid& solid, const Vec3& p, double reach, SolidMinima& minima) noexcept;
 
+/// Search the cell of the last answer first. Of places that are equally near, another one may be found than without it.
+/// Realtime: yes.
+SolidPoint closestToSegment(const Solid& solid, const Segment& segment, double limit, SolidCache& cache) noexcept;
+
 /// Return the cells of a brick with corners on both sides: bit x + 8 y of entry z. Realtime: yes.
 std::array<std::uint64_t, kBrickCells> surfaceCells(const BrickSamples& samples) noexcept;
 

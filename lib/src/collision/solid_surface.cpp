@@ -99,6 +99,37 @@ class Fit {
   std::array<bool, kBorders> touches_{};
 };
 
+// The triangles in a cube, by the corners that are inside. Their vertices are edges between corners.
+struct CubeCase {
+  static constexpr int kMostEdges = 19, kMostTriangles = 12;
+  int edges = 0, triangles = 0;
+  std::array<std::uint8_t, kMostEdges> low{}, way{};  // low corner, axes to the other one
+  std::array<std::array<std::uint8_t, 3>, kMostTriangles> triangle{};
+};
+
+std::array<CubeCase, 1 << kCornersOfCube> makeCubeCases() {
+  std::array<CubeCase, 1 << kCornersOfCube> cases;
+  for (std::size_t inside = 0; inside < cases.size(); ++inside) {
+    CubeCase& cube = cases[inside];
+    const auto on = [&cube](int from, int to) {
+      const int low = from & to, way = from ^ to;
+      int edge = 0;
+      while (edge < cube.edges &&
+             (cube.low[static_cast<std::size_t>(edge)] != low || cube.way[static_cast<std::size_t>(edge)] != way))
+        ++edge;
+      cube.low[static_cast<std::size_t>(edge)] = static_cast<std::uint8_t>(low);
+      cube.way[static_cast<std::size_t>(edge)] = static_cast<std::uint8_t>(way);
+      cube.edges = std::max(cube.edges, edge + 1);
+      return static_cast<std::uint8_t>(edge);
+    };
+    kernel::addTriangles([inside](int corner) { return (inside >> corner & 1) != 0; }, on,
+                         [&cube](std::uint8_t a, std::uint8_t b, std::uint8_t c) {
+                           cube.triangle[static_cast<std::size_t>(cube.triangles++)] = {a, b, c};
+                         });
+  }
+  return cases;
+}
+
 class Extraction {
  public:
   Extraction(const Solid& solid, int brick, const BrickSamples& samples, int step, const Fit* fit,
@@ -125,34 +156,39 @@ class Extraction {
 
  private:
   void addCell(int x, int y, int z) {
+    static const auto kCases = makeCubeCases();
     at_ = {x, y, z};
     sample_ = sampleAt(at_);
-    kernel::addTriangles([this](int corner) { return isInside(corner); },
-                         [this](int from, int to) { return on(from, to); },
-                         [this](int a, int b, int c) { addTriangle(a, b, c); });
-  }
-
-  bool isInside(int corner) const {
-    const int sample = sample_ + step_ * strideTo(corner);
-    return samples_[static_cast<std::size_t>(sample)] < 0.0f;
+    std::size_t inside = 0;
+    for (int corner = 0; corner < kCornersOfCube; ++corner)
+      inside |= static_cast<std::size_t>(samples_[static_cast<std::size_t>(sample_ + step_ * strideTo(corner))] < 0.0f)
+                << corner;
+    const CubeCase& cube = kCases[inside];
+    std::array<int, CubeCase::kMostEdges> vertices;
+    for (std::size_t edge = 0; edge < static_cast<std::size_t>(cube.edges); ++edge)
+      vertices[edge] = on(cube.low[edge], cube.way[edge]);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(cube.triangles); ++i) {
+      const auto& triangle = cube.triangle[i];
+      addTriangle(vertices[triangle[0]], vertices[triangle[1]], vertices[triangle[2]]);
+    }
   }
 
   void addTriangle(int a, int b, int c) {
     if (a != b && b != c && c != a) surface_.mesh.triangles.push_back({a, b, c});
   }
 
-  // The vertex between two corners of the cell.
-  int on(int from, int to) {
-    const int low = from & to;
-    int way = from ^ to, step = step_;
-    std::array<int, 3> at = at_;
-    for (int i = 0; i < 3; ++i) at[static_cast<std::size_t>(i)] += step_ * (low >> i & 1);
+  // The vertex on an edge of the cell.
+  int on(int low, int way) {
+    auto a = static_cast<std::size_t>(sample_ + step_ * strideTo(low));
+    if (fit_ == nullptr && vertexOf(a, way) >= 0) return vertexOf(a, way);
+    int step = step_;
+    std::array<int, 3> at = {at_[0] + step * (low & 1), at_[1] + step * (low >> 1 & 1), at_[2] + step * (low >> 2)};
     if (fit_ != nullptr && fit_->touches(at, way)) {
       fit_->move(samples_, at, way);
+      a = static_cast<std::size_t>(sampleAt(at));
       step = 2 * step_;
     }
-    const auto a = static_cast<std::size_t>(sampleAt(at));
-    std::int32_t& vertex = vertices_[a * kCornersOfCube + static_cast<std::size_t>(way)];
+    std::int32_t& vertex = vertexOf(a, way);
     if (vertex >= 0) return vertex;
     const double t = std::clamp(zeroBetween(a, way, step), kernel::kEnd, 1.0 - kernel::kEnd);
     const Vec3 start(at[0], at[1], at[2]), edge = step * towards(way);
@@ -166,6 +202,10 @@ class Extraction {
     surface_.normals.push_back(normal);
     surface_.layers.push_back(solid_.layerAt(position - 0.5 * solid_.cell() * normal));
     return vertex;
+  }
+
+  std::int32_t& vertexOf(std::size_t sample, int way) {
+    return vertices_[sample * kCornersOfCube + static_cast<std::size_t>(way)];
   }
 
   // Zero of the trilinear interpolation on the line from a sample to an opposite corner of its edge, face or cell. The

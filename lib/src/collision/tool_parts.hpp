@@ -31,12 +31,22 @@ struct PartCache {
   }
 };
 
+/// Knowledge about a place on an axis and a solid from the last tick. A cut leaves less material, so that `clear`
+/// holds.
+struct SolidNear {
+  Vec3 point = Vec3::Zero();
+  double clear = -1.0;  ///< lower bound of the distance of the surface from the point, outside
+  std::uint64_t restorations = 0;
+  SolidCache cache;
+};
+
 /// The place of a part's axis outside the surface, in the frame of one obstacle: a god object.
 struct PartTrack {
   Segment axis;                ///< follows the part's axis, but never through the surface
   double clear = -1.0;         ///< lower bound of its distance from the surface
   std::uint64_t revision = 0;  ///< of the mesh
   bool isKnown = false;        ///< false: the part began inside and has not left yet
+  SolidNear near;              ///< of the end a; saves work and changes no contact
 
   enum class State { unknown, open, held };
 

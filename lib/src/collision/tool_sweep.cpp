@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solid_query.hpp"
 #include "tool_parts.hpp"
 
 namespace enamel {
@@ -56,10 +57,11 @@ SweepHit sweepShape(const Solid& solid, const Segment& from, const Segment& to, 
   const Vec3 motionA = to.a - from.a, motionB = to.b - from.b;
   const double path = std::max(motionA.norm(), motionB.norm()), tolerance = 1e-3 * solid.cell();
   double time = 0.0;
+  SolidCache cache;
   for (int step = 0; step < most; ++step) {
     const Segment now{from.a + time * motionA, from.b + time * motionB};
     const double left = (1.0 - time) * path;
-    const SolidPoint near = closestToSegment(solid, now, radius + left + tolerance);
+    const SolidPoint near = kernel::closestToSegment(solid, now, radius + left + tolerance, cache);
     if (!near.found) return result;
     const Vec3 centre = now.a + near.parameter * (now.b - now.a);
     const double gap = (isInside(solid, centre) ? -near.distance : near.distance) - radius;

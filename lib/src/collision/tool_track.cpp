@@ -127,7 +127,9 @@ struct Plane {
 Segment nearestInFront(const Segment& goal, const Plane* planes, int count) noexcept {
   std::array<double, kMostPlanes> push{};
   Segment axis = goal;
-  for (int pass = 0; pass < kProjections; ++pass)
+  bool isSettled = false;
+  for (int pass = 0; pass < kProjections && !isSettled; ++pass) {
+    isSettled = true;
     for (int k = 0; k < count; ++k) {
       const Plane& plane = planes[k];
       const double wa = 1.0 - plane.t, wb = plane.t;
@@ -136,7 +138,9 @@ Segment nearestInFront(const Segment& goal, const Plane* planes, int count) noex
       push[k] += change;
       axis.a += change * wa * plane.normal;
       axis.b += change * wb * plane.normal;
+      isSettled = isSettled && change == 0.0;
     }
+  }
   return axis;
 }
 

@@ -112,29 +112,31 @@ Moment ofNode(const MeshData& data, std::int32_t node, Parent at) {
   return m;
 }
 
-// The solid angles of a leaf's triangles over 2 pi, which is twice w. Each is the argument of a complex number (van
-// Oosterom & Strackee 1983, eq. 8). Their sum is the argument of the product, with its turns counted.
-double ofTriangles(const MeshData& data, std::int32_t leaf, const Vec3& p) {
+// The sum of the arguments of complex numbers is the argument of their product, with its turns counted.
+struct SumOfArguments {
   double re = 1.0, im = 0.0;
   int turns = 0;
-  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot) {
-    const Triangle& t = data.triangles[slot];
-    if (t.index < 0) continue;
-    const Vec3 a = Vec3(t.corner[0][0], t.corner[0][1], t.corner[0][2]) - p;
-    const Vec3 b = Vec3(t.corner[1][0], t.corner[1][1], t.corner[1][2]) - p;
-    const Vec3 c = Vec3(t.corner[2][0], t.corner[2][1], t.corner[2][2]) - p;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    const double y = a.dot(b.cross(c));
-    const double x = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-    const double size = std::abs(x) + std::abs(y);
-    if (!(size > 0.0)) continue;
-    const double u = x / size, v = y / size, next = re * v + im * u;
+
+  void add(double u, double v) {
+    const double next = re * v + im * u;
     turns +=
         static_cast<int>(im >= 0.0 && v >= 0.0 && next < 0.0) - static_cast<int>(im < 0.0 && v < 0.0 && next >= 0.0);
     re = re * u - im * v;
     im = next;
   }
-  return std::atan2(im, re) / M_PI + 2.0 * turns;
+  void scale() {
+    const double size = std::abs(re) + std::abs(im);
+    re /= size;
+    im /= size;
+  }
+  double sum() const { return std::atan2(im, re) + 2.0 * M_PI * turns; }
+};
+
+void addTriangles(const MeshData& data, std::int32_t leaf, const Vec3& p, SumOfArguments& angles) {
+  double re[kWidth], im[kWidth];
+  loops().solidAngles(data.triangles.data() + leaf * kWidth, p.data(), re, im);
+  for (int i = 0; i < kWidth; ++i) angles.add(re[i], im[i]);
+  angles.scale();
 }
 
 }  // namespace
@@ -188,43 +190,26 @@ void refitWinding(MeshData& data) noexcept {
 double windingNumber(const MeshData& data, const Vec3& p, double accept) noexcept {
   std::array<std::int32_t, kStackSize> stack;
   const Vec3 q = local(data.view, p);
-  const auto acceptSquared = static_cast<float>(accept * accept);
-  double far = 0.0, near = 0.0;
+  double far = 0.0;
+  SumOfArguments near;  // half the solid angles
   int top = 0;
   stack[top++] = data.view.root;
   while (top > 0) {
     const std::int32_t current = stack[--top];
     if (current < 0) {
-      near += ofTriangles(data, ~current, p);
+      addTriangles(data, ~current, p, near);
       continue;
     }
     const Node& node = data.nodes[current];
-    const auto& row = data.moments[current].row;
-    float w[kWidth];
-    std::int32_t isFar[kWidth];
-    for (int i = 0; i < kWidth; ++i) {
-      const auto x = static_cast<float>(static_cast<double>(row[kCentre][i]) - q.x());
-      const auto y = static_cast<float>(static_cast<double>(row[kCentre + 1][i]) - q.y());
-      const auto z = static_cast<float>(static_cast<double>(row[kCentre + 2][i]) - q.z());
-      const float squared = x * x + y * y + z * z, radius = row[kRadius][i];
-      const float inverse = 1.0f / std::sqrt(squared > 1e-30f ? squared : 1e-30f), perSquared = inverse * inverse;
-      const float xx = x * x * row[kSpread][i], yy = y * y * row[kSpread + 1][i], zz = z * z * row[kSpread + 2][i];
-      const float xy = x * y * row[kSpread + 3][i], xz = x * z * row[kSpread + 4][i], yz = y * z * row[kSpread + 5][i];
-      const float across = xx + yy + zz + 2.0f * (xy + xz + yz);
-      const float along = x * row[kNormal][i] + y * row[kNormal + 1][i] + z * row[kNormal + 2][i];
-      const float trace = row[kSpread][i] + row[kSpread + 1][i] + row[kSpread + 2][i];
-      w[i] = (along + trace - 3.0f * across * perSquared) * perSquared * inverse;
-      isFar[i] = squared > acceptSquared * radius * radius ? 1 : 0;
-    }
-    for (unsigned lanes = node.lanes; lanes != 0; lanes &= lanes - 1) {
-      const int i = __builtin_ctz(lanes);
-      if (isFar[i] != 0)
-        far += static_cast<double>(w[i]);
-      else
-        stack[top++] = node.child[i];
-    }
+    float angles[kWidth];
+    const unsigned isFar =
+        loops().clusterAngles(data.moments[current], q.data(), static_cast<float>(accept), angles) & node.lanes;
+    for (unsigned lanes = isFar; lanes != 0; lanes &= lanes - 1)
+      far += static_cast<double>(angles[__builtin_ctz(lanes)]);
+    for (unsigned lanes = node.lanes & ~isFar; lanes != 0; lanes &= lanes - 1)
+      stack[top++] = node.child[__builtin_ctz(lanes)];
   }
-  return far / (4.0 * M_PI) + 0.5 * near;
+  return (far + 2.0 * near.sum()) / (4.0 * M_PI);
 }
 
 }  // namespace enamel::kernel

@@ -173,9 +173,16 @@ struct SolidPoint {
   int featureIndex = -1;
 };
 
+/// The cell where a query found its answer. The next query near it searches that cell first. This saves time and does
+/// not change the answer, also after a cut.
+struct SolidCache {
+  std::uint32_t cell = ~0u;
+};
+
 /// Return the point of the surface nearest to p and its signed distance, negative inside. Points farther than `limit`
 /// (m) are not reported. A p that is not finite gives no point. Realtime: yes.
-SolidPoint signedDistance(const Solid& solid, const Vec3& p, double limit = kNoLimit) noexcept;
+SolidPoint signedDistance(const Solid& solid, const Vec3& p, double limit = kNoLimit,
+                          SolidCache* cache = nullptr) noexcept;
 
 /// Return the nearest points of the surface and a segment. The distance is never negative. Realtime: yes.
 SolidPoint closestToSegment(const Solid& solid, const Segment& segment, double limit = kNoLimit) noexcept;

@@ -19,7 +19,7 @@ struct SolidSurface {
   void clear() noexcept;
 };
 
-/// Append the surface of one brick. Realtime: no, about 10 us for a brick with surface.
+/// Append the surface of one brick. Realtime: no.
 /// - `samples`: those of the solid, or an earlier copy.
 /// - `step`: 2, 4 or 8 uses only every second, fourth or eighth sample. Each doubling gives a quarter of the triangles,
 ///   enough for smooth regions.
