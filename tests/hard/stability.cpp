@@ -421,11 +421,12 @@ TEST_CASE("an impossible error has no linear loop", "[hard]") {
   CHECK_THROWS_WITH(loop.matrix({}, 18), "stability: case 18 is unknown, must be below 18");
 }
 
+// Position control learns smaller errors of the delay.
 TEST_CASE("far outside of the stable set loops are lost", "[hard]") {
   using Row = std::tuple<const char*, int, DeviceErrors>;
   for (const auto& [file, delay, errors] :
-       {Row{"tau-nominal.toml", 0, {1.0, 1.0, 3.0}}, Row{"tau-nominal.toml", 3, {1.0, 1.0, -2.0}},
-        Row{"tau-detailed.toml", 0, {1.0, 1.0, 3.0}}}) {
+       {Row{"tau-nominal.toml", 0, {1.0, 1.0, 6.0}}, Row{"tau-nominal.toml", 3, {1.0, 1.0, 6.0}},
+        Row{"tau-detailed.toml", 0, {1.0, 1.0, 6.0}}}) {
     Setup s;
     s.device = loadDevice(test::deviceFile(file));
     s.delay = delay;
