@@ -348,7 +348,7 @@ TEST_CASE("position control learns the delay of the device", "[drivers]") {
   const test::DhdRig standIn;
   const Tasks tasks{1.92, 3.6, 0.24, 0.12, 48.8e3, 140.0, 0, 0.0};
   for (const Delay& assumed : {Delay{0, 0}, Delay{0, 1}, Delay{1, 1}})
-    for (int actual = 0; actual <= assumed.high + 1; ++actual) {
+    for (int actual = 0; actual <= assumed.high + 2; ++actual) {
       StudyPlan plan = pushesOf(kClosedForm, standIn.rig, tasks, assumed);
       plan.columns.resize(1);
       plan.setup.delay = {actual, actual};
