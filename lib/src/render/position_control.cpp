@@ -283,6 +283,7 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     if (t > 0) observer_.merge(m.observer);
     observer_.predict(m.observer, command, variance);
     for (int i = 0; i < static_cast<int>(m.observer.delays); ++i) {
+      if (i == static_cast<int>(m.observer.design)) continue;  // the prediction's own
       Lane more = actedUnder(i);
       for (int k = 0; k < kLanes; ++k) more[k] -= command[k];
       observer_.advance(more, m.observer.byDelay[i]);
@@ -356,12 +357,15 @@ void PositionControlRenderer::ControllerOf<kMech>::compareReading(const Lane& re
     for (int i = 0; i < delays_.count(); ++i)
       for (int d = delays_[i].low; d <= delays_[i].low + delays_[i].pending; ++d) visit(i, d, moved[i][d]);
   };
-  Lane sent[kMaxLoopDelay + 1], mean[DelayEstimator::kMost];
-  for (int d = delays_.shortest(); d <= delays_.longest(); ++d) sent[d] = toModes(memory_.sent[d]);
-  for (int i = 0; i < delays_.count(); ++i) mean[i] = actedUnder(i);
+  Lane mean[DelayEstimator::kMost];
+  for (int i = 0; i < delays_.count(); ++i)
+    if (delays_[i].pending > 0) mean[i] = actedUnder(i);
   forEach([&](int i, int d, Lane& m) {
+    Lane more{};  // of a random delay, over its mean
+    if (delays_[i].pending > 0) more = toModes(memory_.sent[d]);
     for (int k = 0; k < joints_; ++k) {
-      m[k] = s.byDelay[i][observer_.readState()][k] + effect[k] * (sent[d][k] - mean[i][k]);
+      if (delays_[i].pending > 0) more[k] -= mean[i][k];
+      m[k] = s.byDelay[i][observer_.readState()][k] + effect[k] * more[k];
       information[k] += std::max(0.0, m[k] * m[k] - s.readingVariance[k]) / variance[k];
     }
   });
