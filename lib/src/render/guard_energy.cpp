@@ -247,13 +247,15 @@ GuardReason Guard::moved(const Measurement& m, const TickFrame& frame) noexcept 
   s.reports = s.reports || m.applied.has_value();
   // A report covers one tick. After lost samples the mean of the commands is used instead.
   const auto sent = [&](int delay) { return s.ticks == 1.0 ? s.sent[delay] : s.acting; };
-  Row commanded = sent(o.delay), learnt = sent(delay_), reported = commanded;
+  Row commanded = sent(o.delay), reported = commanded;
+  bool isAssumed = true;
   if (m.applied && s.ticks == 1.0) {
     const int unlikely = unlikelyJoint(*m.applied);
     const Row& nearest = nearestCommand(*m.applied);
     compareReport(*m.applied, nearest, elapsed);
     if (unlikely < 0) {
-      reported = commanded = learnt = nearest;
+      reported = commanded = nearest;
+      isAssumed = false;
       for (int i = 0; i < n_; ++i)
         if (isDriven(i)) reported[i] = (*m.applied)[i];
     } else {
@@ -263,10 +265,10 @@ GuardReason Guard::moved(const Measurement& m, const TickFrame& frame) noexcept 
   }
   double force = book(m, frame, commanded, s.commanded);
   // The renderer may be wrong for a while. So its delay has an account of its own, and the smaller one counts.
-  if (delay_ == o.delay)
-    s.learnt = s.commanded;
+  if (isAssumed && delay_ != o.delay)
+    book(m, frame, sent(delay_), s.learnt);
   else
-    book(m, frame, learnt, s.learnt);
+    s.learnt = s.commanded;
   if (s.reports) force = std::max(force, book(m, frame, reported, s.reported));
   s.peak = std::max(s.peak, force);
   if (!(s.peak <= kLargestEnergy)) s.peak = 0.0;  // meaningless numbers

@@ -51,7 +51,7 @@ bool DelayEstimator::accepts(const State& s) const noexcept {
 }
 
 int DelayEstimator::learn(State& s, int likeliest, const Evidence& evidence) const noexcept {
-  double most = evidence[0][delays_[0].low], total = 0.0, probability[kMost];
+  double most = evidence[0][delays_[0].low], total = 0.0, probability[kMostDelays];
   for (std::size_t i = 0; i < delays_.size(); ++i)
     for (int d = delays_[i].low; d <= delays_[i].low + delays_[i].pending; ++d) most = std::max(most, evidence[i][d]);
   for (std::size_t i = 0; i < delays_.size(); ++i) {

@@ -18,11 +18,9 @@ struct LoopDelay {
 
 class DelayEstimator {
  public:
-  static constexpr int kMost = kMaxLoopDelay + 2;  ///< delays
-
   // Plain numbers.
   struct State {
-    double probability[kMost];
+    double probability[kMostDelays];
   };
 
   /// Delay 0 is that of the data. The others are constant: those of its range, and up to two ticks less or more.
@@ -39,7 +37,7 @@ class DelayEstimator {
   bool accepts(const State& s) const noexcept;
   int count() const noexcept { return static_cast<int>(delays_.size()); }
   /// Logarithms of the likelihood of what a tick showed. Row: delay; column: ticks of the command that acted.
-  using Evidence = double[kMost][kMaxLoopDelay + 1];
+  using Evidence = double[kMostDelays][kMaxLoopDelay + 1];
   /// Update by the evidence of a tick. Returns the likeliest delay; `likeliest`: before. Realtime: yes.
   int learn(State& s, int likeliest, const Evidence& evidence) const noexcept;
 

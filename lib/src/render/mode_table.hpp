@@ -24,9 +24,10 @@
 
 namespace enamel {
 
-inline constexpr int kLanes = 8;        ///< modes computed in parallel: whole SIMD registers
-inline constexpr int kBins = 2;         ///< parts of a tick in which the push may jump
-inline constexpr int kMostPending = 8;  ///< largest delayHigh - delayLow
+inline constexpr int kLanes = 8;                      ///< modes computed in parallel: whole SIMD registers
+inline constexpr int kBins = 2;                       ///< parts of a tick in which the push may jump
+inline constexpr int kMostPending = 8;                ///< largest delayHigh - delayLow
+inline constexpr int kMostDelays = kMostPending + 2;  ///< delays in question: a range and constant ones
 
 /// Data that all modes of a device share.
 struct ModeData {

@@ -30,7 +30,7 @@ constexpr double kDoubtTime = 0.1, kMostDoubts = 12.0;  // s; more contradiction
 constexpr double kContradicts = 8.0;                    // deviations of an innovation that no push explains
 constexpr double kNear = 2e-5;    // m: a contact that stays farther outside for a tick carries no force
 constexpr int kRefreshTicks = 8;  // between two updates of the inertia
-static_assert(kMaxLoopDelay <= kMostPending && DelayEstimator::kMost <= PushObserver<2>::kMostDelays);
+static_assert(kMaxLoopDelay <= kMostPending);
 
 ModeData dataOf(const PositionControlOptions& o) {
   return {o.period, o.delayLow, o.delayHigh, o.drive, kPushShare, kForceCost, kModelError};
@@ -97,8 +97,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void observe(const TickFrame& frame, const JointRow& reading) noexcept;
   const LoopDelay& delay() const noexcept override { return delays_[static_cast<int>(memory_.observer.design)]; }
   Rebound rebound() const noexcept { return {delay().reaction, options_.encoderStep}; }
-  JointRow acting(int ahead) const noexcept;
-  Lane actedUnder(int delay) const noexcept;
+  JointRow acting(const LoopDelay& d, int ahead) const noexcept;
   void compareReport(const TickFrame& frame, DelayEstimator::Evidence& evidence) const noexcept;
   void compareReading(const Lane& reading, DelayEstimator::Evidence& evidence) const noexcept;
   void learnDelay(const TickFrame& frame, const Lane& reading) noexcept;
@@ -266,7 +265,7 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
       m.sent[0][j] = frame.maxTorque[j] > 0.0 ? frame.command[j] - frame.kinematics.gravity[j] : 0.0;
   for (int j = 0; frame.applied && frame.added.size() == joints_ && j < joints_; ++j)
     if (frame.maxTorque[j] > 0.0) m.sent[0][j] += frame.added[j];
-  JointRow acted = acting(0), rates{};
+  JointRow acted = acting(delay(), 0), rates{};
   if (frame.applied)
     for (int j = 0; j < joints_; ++j) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];
   const Lane command = toModes(acted), y = toModes(reading);
@@ -277,14 +276,14 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     for (int k = 0; k < joints_; ++k)
       variance[k] += (other[k] - command[k]) * (other[k] - command[k]) / (likeliest.pending + 1);
   }
+  if (frame.applied && m.observer.delays > 0.0) std::memset(m.observer.byDelay, 0, sizeof m.observer.byDelay);
   m.observer.delays = frame.applied ? 0.0 : delays_.count();
-  if (frame.applied) std::memset(m.observer.byDelay, 0, sizeof m.observer.byDelay);
   for (int t = 0; t < ticks; ++t) {
     if (t > 0) observer_.merge(m.observer);
     observer_.predict(m.observer, command, variance);
     for (int i = 0; i < static_cast<int>(m.observer.delays); ++i) {
       if (i == static_cast<int>(m.observer.design)) continue;  // the prediction's own
-      Lane more = actedUnder(i);
+      Lane more = toModes(acting(delays_[i], 0));
       for (int k = 0; k < kLanes; ++k) more[k] -= command[k];
       observer_.advance(more, m.observer.byDelay[i]);
     }
@@ -307,24 +306,13 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
   observer_.merge(m.observer);
 }
 
-// Return the mean of the commands that may act so many ticks after the last one, at most the lowest delay.
+// Return the mean of the commands that may act under a delay, so many ticks after the last one, at most its lowest.
 template <int kMech>
-JointRow PositionControlRenderer::ControllerOf<kMech>::acting(int ahead) const noexcept {
-  const LoopDelay& d = delay();
+JointRow PositionControlRenderer::ControllerOf<kMech>::acting(const LoopDelay& d, int ahead) const noexcept {
   JointRow mean{};
   for (int i = 0; i <= d.pending; ++i)
     for (int j = 0; j < joints_; ++j) mean[j] += memory_.sent[d.low + i - ahead][j] / (d.pending + 1);
   return mean;
-}
-
-// The mean of the commands that may have acted under a delay, in modes.
-template <int kMech>
-Lane PositionControlRenderer::ControllerOf<kMech>::actedUnder(int delay) const noexcept {
-  const LoopDelay& d = delays_[delay];
-  JointRow mean{};
-  for (int i = 0; i <= d.pending; ++i)
-    for (int j = 0; j < joints_; ++j) mean[j] += memory_.sent[d.low + i][j] / (d.pending + 1);
-  return toModes(mean);
 }
 
 // Evidence of a report: one of the commands, with an error, or wrong.
@@ -350,22 +338,22 @@ template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::compareReading(const Lane& reading,
                                                                   DelayEstimator::Evidence& evidence) const noexcept {
   const typename Observer::State& s = memory_.observer;
-  Lane difference, variance, information{}, moved[DelayEstimator::kMost][kMaxLoopDelay + 1];
+  Lane difference, variance, information{}, moved[kMostDelays][kMaxLoopDelay + 1];
   observer_.innovation(s, reading, difference, variance);
   const auto& effect = observer_.commandEffect();
   const auto forEach = [&](auto&& visit) {
     for (int i = 0; i < delays_.count(); ++i)
       for (int d = delays_[i].low; d <= delays_[i].low + delays_[i].pending; ++d) visit(i, d, moved[i][d]);
   };
-  Lane mean[DelayEstimator::kMost];
-  for (int i = 0; i < delays_.count(); ++i)
-    if (delays_[i].pending > 0) mean[i] = actedUnder(i);
   forEach([&](int i, int d, Lane& m) {
-    Lane more{};  // of a random delay, over its mean
-    if (delays_[i].pending > 0) more = toModes(memory_.sent[d]);
+    JointRow more{};  // over the mean, if the delay is random
+    if (const LoopDelay& delay = delays_[i]; delay.pending > 0) {
+      more = acting(delay, 0);
+      for (int j = 0; j < joints_; ++j) more[j] = memory_.sent[d][j] - more[j];
+    }
+    const Lane change = toModes(more);
     for (int k = 0; k < joints_; ++k) {
-      if (delays_[i].pending > 0) more[k] -= mean[i][k];
-      m[k] = s.byDelay[i][observer_.readState()][k] + effect[k] * more[k];
+      m[k] = s.byDelay[i][observer_.readState()][k] + effect[k] * change[k];
       information[k] += std::max(0.0, m[k] * m[k] - s.readingVariance[k]) / variance[k];
     }
   });
@@ -411,7 +399,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   std::memcpy(a.x, s.mean, sizeof a.x);
   std::memset(a.sensitivity, 0, sizeof a.sensitivity);
   for (int ahead = 1; ahead <= delay().low; ++ahead) {
-    const Lane command = toModes(acting(ahead));
+    const Lane command = toModes(acting(delay(), ahead));
     observer_.advanceSensitivity(command, a.x, a.sensitivity);
     observer_.advance(command, a.x);
   }

@@ -34,9 +34,8 @@ class PushObserver {
   static constexpr int kLag = kMech, kPush = kMech + 1, kGrowth = kMech + 2, kScale = kMech + 3, kStates = kMech + 4;
   static constexpr int kPairs = kStates * (kStates + 1) / 2;  // of a symmetric matrix
   static constexpr int kMost = 1 + 2 * kBins;                 // hypotheses
-  static constexpr int kMostDelays = kMostPending + 2;
-  static constexpr double kScalePrior = 0.3;  // standard deviation of ln(mass) at the start
-  static constexpr double kCablePrior = 0.3;  // of ln(stiffness of the cables)
+  static constexpr double kScalePrior = 0.3;                  // standard deviation of ln(mass) at the start
+  static constexpr double kCablePrior = 0.3;                  // of ln(stiffness of the cables)
   static constexpr int at(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
 
   using Numbers = ModeNumbers<kMech>;
