@@ -50,7 +50,7 @@ bool DelayEstimator::accepts(const State& s) const noexcept {
                     [](const LoopDelay& delay, double p) { return p >= delay.least && p <= 1.0; });
 }
 
-int DelayEstimator::learn(State& s, int likeliest, const Evidence& evidence) const noexcept {
+int DelayEstimator::learn(State& s, int likeliest, const Evidence& evidence, double weight) const noexcept {
   double most = evidence[0][delays_[0].low], total = 0.0, probability[kMostDelays];
   for (std::size_t i = 0; i < delays_.size(); ++i)
     for (int d = delays_[i].low; d <= delays_[i].low + delays_[i].pending; ++d) most = std::max(most, evidence[i][d]);
@@ -59,7 +59,7 @@ int DelayEstimator::learn(State& s, int likeliest, const Evidence& evidence) con
     double mean = 0.0;
     for (int d = delay.low; d <= delay.low + delay.pending; ++d)
       mean += std::exp(std::max(evidence[i][d] - most, -kFar)) / (delay.pending + 1);
-    total += probability[i] = s.probability[i] * mean;
+    total += probability[i] = s.probability[i] * std::pow(mean, weight);
   }
   if (!(total > 0.0)) return likeliest;
   for (std::size_t i = 0; i < delays_.size(); ++i) {

@@ -38,8 +38,9 @@ class DelayEstimator {
   int count() const noexcept { return static_cast<int>(delays_.size()); }
   /// Logarithms of the likelihood of what a tick showed. Row: delay; column: ticks of the command that acted.
   using Evidence = double[kMostDelays][kMaxLoopDelay + 1];
-  /// Update by the evidence of a tick. Returns the likeliest delay; `likeliest`: before. Realtime: yes.
-  int learn(State& s, int likeliest, const Evidence& evidence) const noexcept;
+  /// Update by the evidence of a tick, its logarithms times `weight`. Returns the likeliest delay; `likeliest`: before.
+  /// Realtime: yes.
+  int learn(State& s, int likeliest, const Evidence& evidence, double weight) const noexcept;
 
  private:
   int shortest_, longest_;

@@ -99,7 +99,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   Rebound rebound() const noexcept { return {delay().reaction, options_.encoderStep}; }
   JointRow acting(const LoopDelay& d, int ahead) const noexcept;
   void compareReport(const TickFrame& frame, DelayEstimator::Evidence& evidence) const noexcept;
-  void compareReading(const Lane& reading, DelayEstimator::Evidence& evidence) const noexcept;
+  double compareReading(const Lane& reading, DelayEstimator::Evidence& evidence) const noexcept;
   void learnDelay(const TickFrame& frame, const Lane& reading) noexcept;
   void predict(const TickFrame& frame, const JointRow& reading, const JointRow& guide, Ahead& a) const noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
@@ -332,11 +332,11 @@ void PositionControlRenderer::ControllerOf<kMech>::compareReport(const TickFrame
 }
 
 // Evidence of a reading: its difference from the prediction with the commands of each delay. Averaging readings does
-// not remove the rounding of encoders. So a mode counts only as far as the delays change its reading by more. Modes are
-// not independent: their information is averaged.
+// not remove the rounding of encoders. So a mode counts only as far as the delays change its reading by more. Returns
+// the weight of the evidence: modes are not independent, so their information is averaged.
 template <int kMech>
-void PositionControlRenderer::ControllerOf<kMech>::compareReading(const Lane& reading,
-                                                                  DelayEstimator::Evidence& evidence) const noexcept {
+double PositionControlRenderer::ControllerOf<kMech>::compareReading(const Lane& reading,
+                                                                    DelayEstimator::Evidence& evidence) const noexcept {
   const typename Observer::State& s = memory_.observer;
   Lane difference, variance, information{}, moved[kMostDelays][kMaxLoopDelay + 1];
   observer_.innovation(s, reading, difference, variance);
@@ -362,18 +362,18 @@ void PositionControlRenderer::ControllerOf<kMech>::compareReading(const Lane& re
     sum += information[k];
     squares += information[k] * information[k];
   }
-  if (!(sum > 0.0)) return;
+  if (!(sum > 0.0)) return 0.0;
   double least = kLargestTorque;
   forEach([&](int i, int d, const Lane& m) {
     double scatter = 0.0;
     for (int k = 0; k < joints_; ++k) {
       const double error = difference[k] - m[k], square = error * error / variance[k];
-      if (information[k] > 0.0) evidence[i][d] -= 0.5 * squares / (sum * sum) * square;
+      if (information[k] > 0.0) evidence[i][d] -= 0.5 * square;
       scatter += information[k] / sum * square;
     }
     least = std::min(least, scatter);
   });
-  if (least > 1.0) forEach([&](int i, int d, const Lane&) { evidence[i][d] /= least; });
+  return squares / (sum * sum * std::max(1.0, least));
 }
 
 // Learn the delay from a report of the torque, or else from the reading.
@@ -381,11 +381,12 @@ template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::learnDelay(const TickFrame& frame, const Lane& reading) noexcept {
   Memory& m = memory_;
   DelayEstimator::Evidence evidence = {};
+  double weight = 1.0;
   if (frame.applied)
     compareReport(frame, evidence);
   else
-    compareReading(reading, evidence);
-  const int before = static_cast<int>(m.observer.design), likeliest = delays_.learn(m.delay, before, evidence);
+    weight = compareReading(reading, evidence);
+  const int before = static_cast<int>(m.observer.design), likeliest = delays_.learn(m.delay, before, evidence, weight);
   if (likeliest == before) return;
   observer_.use(m.observer, likeliest);
   observer_.refresh(m.observer);
