@@ -200,7 +200,7 @@ Outcome run(const Combination& c) {
   return result;
 }
 
-void check(const Combination& c) {
+void check(const Combination& c, bool judgesChange = true) {
   static std::map<std::pair<int, int>, double> rigid;  // change of the force on a rigid smooth wall
   const auto [place, isNew] = rigid.try_emplace({c[kDevice], c[kDelay]}, 0.0);
   if (isNew) {
@@ -218,8 +218,7 @@ void check(const Combination& c) {
                                             << ": " << result.given << " J, " << result.change << " N a tick");
   CHECK(result.fault == GuardReason::none);
   CHECK(result.given < 1e-3);  // as for one rough surface
-  // On the delta without delay a plain wall swings as far as it can (lib/docs/stability.md).
-  if (c[kDevice] != 1 || c[kDelay] != 0) CHECK(result.change <= std::max(1.5 * place->second, held));
+  if (judgesChange) CHECK(result.change <= std::max(1.5 * place->second, held));
   if (c[kBur] > 0 && c[kSupport] == 0) CHECK((result.removed > 0.0) == (c[kBur] < 3));
 }
 
@@ -286,7 +285,7 @@ TEST_CASE("combinations: random ones", "[combinations]") {
   for (int i = 0; i < 3000; ++i) {
     Combination c;
     for (int a = 0; a < kFactors; ++a) c[a] = static_cast<int>(random.uniform(0.0, kSettings[a]));
-    check(c);
+    check(c, c[kDevice] != 1 || c[kDelay] != 0);  // else a plain wall swings too: lib/docs/stability.md
   }
 }
 

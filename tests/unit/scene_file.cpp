@@ -189,7 +189,7 @@ TEST_CASE("scene files: solids and burs", "[scene]") {
   refuses("hardness = 1e8", "hardness = 1e8\ndepth = 0.001", "both define where the layer begins");
   refuses("turns = 500.0", "turns = 2e4", "turns: is 20000, must be in 0 to 10000");
   refuses("wear = 0.2", "part = 1", "part: is 1, must be in 0 to 0");
-  refuses("wear = 0.2", "torque = 0.0", "torque: is 0, must be in 1e-06 to inf");
+  refuses("wear = 0.2", "torque = 0.0", "torque: is 0, must be in 1e-06 to 10");
   refuses("wear = 0.2", "run_out = 0.1", "run_out: is 0.1, must be in 0 to 1e-04");
   refuses("wear = 0.2", "blades = 2.5", "blades: is 2.5, must be a whole number");
   const Bur motor = *read("wear = 0.2", "torque = 1e-3\ninertia = 2e-8\ndrag = 0.4\nrun_out = 5e-6\nblades = 6").bur;

@@ -390,6 +390,7 @@ std::optional<Bur> readBur(TomlTable& root, const Tool& tool) {
   bur.part = static_cast<int>(part);
   if (bur.part != part) table.fail("part", "is " + formatNumber(part) + ", must be a whole number");
   for (const BurNumber& number : kBurNumbers) read(number.key, number.low, number.high, bur.*number.value);
+  read("torque", 1e-6, 10.0, bur.torque);
   double blades = 0.0;
   read("blades", 0.0, kMostBlades, blades);
   bur.blades = static_cast<int>(blades);

@@ -35,13 +35,15 @@ Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const
     throw Error("the bur, part " + std::to_string(bur.part) + " of the tool, has a radius of " +
                 formatNumber(1e3 * part_.radius) + " mm, must be at most " + formatNumber(1e3 * Solid::kLargestBur) +
                 " mm; are its lengths in metres?");
+  const auto refuse = [](const std::string& name, double value, const std::string& unit, const std::string& limits) {
+    throw Error("the " + name + " of the bur is " + formatNumber(value) + unit + ", must be " + limits);
+  };
   for (const BurNumber& number : kBurNumbers)
     if (const double value = bur.*number.value; !(value >= number.low && value <= number.high))
-      throw Error("the " + std::string(number.key) + " of the bur is " + formatNumber(value) + ", must be in " +
-                  formatNumber(number.low) + " to " + formatNumber(number.high));
+      refuse(number.key, value, number.unit, "in " + formatNumber(number.low) + " to " + formatNumber(number.high));
+  if (!(bur.torque > 0.0)) refuse("torque", bur.torque, " N m", "above 0");
   if (bur.blades < 0 || bur.blades > kMostBlades)
-    throw Error("the number of blades of the bur is " + std::to_string(bur.blades) + ", must be in 0 to " +
-                std::to_string(kMostBlades));
+    refuse("number of blades", bur.blades, "", "in 0 to " + std::to_string(kMostBlades));
   const Vec3 along = part_.b - part_.a;
   axes_ = frameAlong(along.squaredNorm() > 0.0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitZ()));
   follow_ = std::isinf(bur.torque) || bur.turns == 0.0 ? 0.0 : bur.torque / (2.0 * M_PI * bur.inertia * bur.turns);
