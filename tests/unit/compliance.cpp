@@ -343,6 +343,18 @@ Bench::Setting probeOver(double friction, const std::string& device, int delay, 
 // Pressed in by its radius, this ball has 4 kN/m 0.25 mm sqrt(0.25); the walls have the area of 2 d / r such balls.
 double gripAt(double depth) { return 2.0 * depth / 2.5e-4 * 4e3 * 2.5e-4 * 0.5; }
 
+// A ball above the middle of a block of 4 mm on the TAU.
+Bench::Setting onTooth(const std::shared_ptr<const Solid>& solid, double radius) {
+  Bench::Setting setting;
+  setting.device = "tau-nominal.toml";
+  setting.obstacle.name = "tooth";
+  setting.obstacle.shape = solid;
+  setting.obstacle.pose.position = {0.0, 0.0, -2e-3};
+  setting.start = {0.0, 0.0, 5e-5};
+  setting.tool.parts[0] = {{0.0, 0.0, radius}, {0.0, 0.0, radius}, radius};
+  return setting;
+}
+
 }  // namespace
 
 TEST_CASE("compliance: the walls of a hole hold a probe by their friction", "[compliance]") {
@@ -406,13 +418,7 @@ TEST_CASE("compliance: a layer of a solid ends where the next one begins, also a
         SolidOptions{kCell});
   };
   const auto solid = tooth();
-  Bench::Setting setting;
-  setting.device = "tau-nominal.toml";
-  setting.obstacle.name = "tooth";
-  setting.obstacle.shape = std::shared_ptr<const Solid>(solid);
-  setting.obstacle.pose.position = {0.0, 0.0, -2e-3};
-  setting.start = {0.0, 0.0, 5e-5};
-  setting.tool.parts[0] = {{0.0, 0.0, kRadius}, {0.0, 0.0, kRadius}, kRadius};
+  Bench::Setting setting = onTooth(solid, kRadius);
   for (const double removed : {0.0, kCut}) {
     if (removed > 0.0) {  // a groove of a larger ball, whose lowest line is `removed` deep
       const double bur = 2e-3, high = 2e-3 - removed + bur;
@@ -450,13 +456,7 @@ TEST_CASE("compliance: a bur that starts in a pressed layer comes out of it with
   const auto solid = std::make_shared<Solid>(
       MeshModel(test::boxMesh({3e-3, 3e-3, 2e-3})),
       std::vector<SolidLayer>{{"caries", layer(4e3, 1.5, 1e-3, 3.0, 8.0), 5e8, 0.0, nullptr}}, SolidOptions{1e-4});
-  Bench::Setting setting;
-  setting.device = "tau-nominal.toml";
-  setting.obstacle.name = "tooth";
-  setting.obstacle.shape = std::shared_ptr<const Solid>(solid);
-  setting.obstacle.pose.position = {0.0, 0.0, -2e-3};
-  setting.start = {0.0, 0.0, 5e-5};
-  setting.tool.parts[0] = {{0.0, 0.0, 5e-4}, {0.0, 0.0, 5e-4}, 5e-4};
+  const Bench::Setting setting = onTooth(solid, 5e-4);
   Bench bench(setting);
   Drill drill(setting.tool, {solid}, Bur{});
   bench.haptics->attach(&drill);

@@ -201,10 +201,7 @@ bool Session::takeChange(ObstacleId id, BrickChange& change) {
   session::TakenChanges* const changes = impl_->solids.changes[impl_->slotOf(id)].get();
   if (changes == nullptr) refuseShape(impl_->group->obstacles, id);
   (void)changes->take();
-  if (changes->unread.empty()) return false;
-  change = changes->newest.at(*changes->unread.begin());
-  changes->unread.erase(changes->unread.begin());
-  return true;
+  return changes->next(change);
 }
 
 // A solid that only this session cuts.
@@ -239,9 +236,7 @@ Solid Session::cutSolid(ObstacleId id) {
   do {
     if (!impl_->isLive()) (void)changes->sent.publish(*impl_->solids.solids[slot]);  // what the loop had not sent
   } while (changes->take() && !impl_->isLive());
-  Solid copy = *impl_->group->obstacles.solids[slot];
-  for (const auto& [number, brick] : changes->newest) copy.set(number, brick.samples);
-  return copy;
+  return changes->newest;
 }
 
 std::shared_ptr<const Solid> Session::solid(ObstacleId id) const {

@@ -23,13 +23,22 @@ Scene withSolids(const Scene& scene, const std::vector<std::shared_ptr<Solid>>& 
 
 }  // namespace
 
-bool TakenChanges::take() {
+bool TakenChanges::take() noexcept {
   bool isAny = false;
   for (BrickChange change; sent.take(change); isAny = true) {
-    newest[change.brick] = change;
-    unread.insert(change.brick);
+    newest.set(change.brick, change.samples);
+    unread[static_cast<std::size_t>(change.brick)] = change.revision;
   }
   return isAny;
+}
+
+bool TakenChanges::next(BrickChange& change) noexcept {
+  const auto found = std::find_if(unread.begin(), unread.end(), [](std::uint64_t revision) { return revision != 0; });
+  if (found == unread.end()) return false;
+  change.brick = static_cast<int>(found - unread.begin());
+  change.revision = std::exchange(*found, 0);
+  change.samples = newest.samples(change.brick);
+  return true;
 }
 
 Obstacle freeSlot(int slot) {
@@ -51,7 +60,7 @@ std::unique_ptr<World> makeWorld(const Obstacles& obstacles, const Obstacles& be
     const bool continues = i < own.solids.size() && before.generation[i] == obstacles.generation[i] &&
                            before.revision[i] == obstacles.revision[i];
     world->solids[i] = continues ? own.solids[i] : std::make_shared<Solid>(*obstacles.solids[i]);
-    world->changes[i] = continues ? own.changes[i] : std::make_shared<TakenChanges>();
+    world->changes[i] = continues ? own.changes[i] : std::make_shared<TakenChanges>(*obstacles.solids[i]);
   }
   world->forDrill = world->solids;
   world->scene = withSolids(obstacles.scene, world->solids);

@@ -1,11 +1,9 @@
 // The obstacles of a session: the list that callers see, and what the loop of each session works with.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "enamel/render/drill.hpp"
@@ -30,13 +28,16 @@ struct SessionTool {
   std::optional<Bur> bur;
 };
 
-/// Changes of a solid: those on their way from the loop, and what the callers have of them.
+/// Changes of a solid: those on their way from the loop, and the solid as the callers know it.
 struct TakenChanges {
-  SolidChanges sent;
-  std::map<int, BrickChange> newest;  // of all bricks that have changed; for callers, as the next ones
-  std::set<int> unread;               // bricks that Session::takeChange() has not returned yet
+  explicit TakenChanges(const Solid& solid) : newest(solid), unread(static_cast<std::size_t>(solid.bricks()), 0) {}
 
-  bool take();  // what was sent; return false if there was nothing
+  SolidChanges sent;
+  Solid newest;                       // for callers, as the next ones
+  std::vector<std::uint64_t> unread;  // revisions of the bricks that next() has not returned yet; else 0
+
+  bool take() noexcept;  // what was sent; return false if there was nothing
+  bool next(BrickChange& change) noexcept;
 };
 
 /// The session's own copies of the solids, and their changes for drawing, by slot; null for other shapes.
