@@ -455,7 +455,8 @@ TEST_CASE("drill: wrong numbers of a motor are refused", "[drill]") {
   CHECK_THAT(refusal([](Bur& b) { b.inertia = std::nan(""); }),
              test::ContainsSubstring("the inertia of the bur is nan"));
   CHECK_THAT(refusal([](Bur& b) { b.drag = -1.0; }), test::ContainsSubstring("must be in 0 to 10"));
-  CHECK_THAT(refusal([](Bur& b) { b.runOut = 1e-3; }), test::ContainsSubstring("the run_out of the bur is 0.001 m, must be in 0 to 0.0001"));
+  CHECK_THAT(refusal([](Bur& b) { b.runOut = 1e-3; }),
+             test::ContainsSubstring("the run_out of the bur is 0.001 m, must be in 0 to 1e-04"));
   CHECK_THAT(refusal([](Bur& b) { b.blades = -1; }), test::ContainsSubstring("the number of blades of the bur is -1"));
 }
 
