@@ -24,7 +24,7 @@ struct Wall {
   double retreated = 0.0;  ///< m: of a wall that has vanished
   double contact = -1.0;   ///< index in the frame; -1: vanished
   double movable = -1.0;   ///< number of the obstacle if it is movable, else -1
-  double holds = 0.0;      ///< the tool has reached it, and the hand has not moved back since
+  double holds = 0.0;      ///< the tool has reached it, and the hand has not left it since
 };
 
 /// Walls of the last tick. Plain numbers.
@@ -79,5 +79,9 @@ void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wa
 /// one chatters. lastEstimate: joints at the last tick. Realtime: yes.
 JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, const Target* targets, const Wall* walls,
                         int count, const double* force, JointRow& lastEstimate, FrictionMemory& memory) noexcept;
+
+/// Move the targets by the torque of friction, in modes: the contact forces are then those beside it, and what friction
+/// holds, the walls do not hold too. Returns whether there is a torque. Realtime: yes.
+bool carryFriction(const PredictedModes& modes, const Lane& torque, Target* targets, int count) noexcept;
 
 }  // namespace enamel

@@ -102,6 +102,8 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   double compareReading(const Lane& reading, DelayEstimator::Evidence& evidence) const noexcept;
   void learnDelay(const TickFrame& frame, const Lane& reading) noexcept;
   void predict(const TickFrame& frame, const JointRow& reading, const JointRow& guide, Ahead& a) const noexcept;
+  void hold(const TickFrame& frame, const Ahead& a, const Wall* walls, Target* targets, int count, double* force,
+            TickOutput& output) noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
   double largestSafe(const Ahead& a, const Lane& row, double step, double speed, double depth) noexcept;
@@ -525,6 +527,18 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
   return std::min(asked, most) / total;
 }
 
+// Compute the contact forces, N.
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::hold(const TickFrame& frame, const Ahead& a, const Wall* walls,
+                                                        Target* targets, int count, double* force,
+                                                        TickOutput& output) noexcept {
+  output.saturated = false;
+  if (count == 0) return;
+  contactForces(frame, a.modes, walls, targets, count, force);
+  const double given = share(frame, a, walls, targets, count, force, output);
+  for (int i = 0; i < count; ++i) force[i] *= given;
+}
+
 // Torque of the guides at driven joints.
 template <int kMech>
 JointRow PositionControlRenderer::ControllerOf<kMech>::guideOf(const TickFrame& frame) const noexcept {
@@ -579,26 +593,29 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   const double near = kNear * options_.scale;
   const int count = collectWalls(frame, a.modes, m.lastReading, m.walls, walls),
             placed = placeTargets(frame, a.modes, rebound(), near, walls, count, targets);
-  m.walls.count = count;
-  std::copy_n(walls, count, m.walls.wall.begin());
-  if (placed > 0) contactForces(frame, a.modes, walls, targets, placed, force);
+  hold(frame, a, walls, targets, placed, force, output);
+  const JointRow held = frictionTorque(frame, a.modes, targets, walls, placed, force, m.lastEstimate, m.friction);
+  if (carryFriction(a.modes, toModes(held), targets, placed)) hold(frame, a, walls, targets, placed, force, output);
   JointRow torque{};
   m.merged = 0.0;
-  for (int i = 0; i < placed; ++i) m.merged += force[i] > 0.0 ? 0.0 : 1.0;
   output.mode = RenderMode::free;
   output.normalForce = 0.0;
   for (int c = 0; c < frame.contacts.count; ++c)
     if (walls[c].gap <= near || frame.contacts.contacts[c].grip > 0.0) output.mode = RenderMode::contact;
-  const double given = share(frame, a, walls, targets, placed, force, output);
   for (int i = 0; i < placed; ++i) {
-    force[i] *= given;
-    const Wall& w = walls[targets[i].wall];
-    if (force[i] > 0.0) output.mode = RenderMode::contact;
+    Wall& w = walls[targets[i].wall];
+    if (!(force[i] > 0.0)) {
+      m.merged += 1.0;
+      if (targets[i].gap > 0.0) w.holds = 0.0;  // the hand would take the tool off
+      continue;
+    }
+    output.mode = RenderMode::contact;
     if (w.contact == 0.0) output.normalForce = force[i];
     if (w.contact >= 0.0) output.normalForces[static_cast<std::size_t>(w.contact)] = force[i];
     for (int j = 0; j < n; ++j) torque[j] += force[i] * w.row[j];
   }
-  const JointRow held = frictionTorque(frame, a.modes, targets, walls, placed, force, m.lastEstimate, m.friction);
+  m.walls.count = count;
+  std::copy_n(walls, count, m.walls.wall.begin());
   output.torque.resize(n);
   for (int j = 0; j < n; ++j) {
     if (!std::isfinite(torque[j] + held[j])) return Status::notFinite;
