@@ -209,8 +209,8 @@ void check(const Combination& c, bool judgesChange = true) {
     plain[kDelay] = c[kDelay];
     place->second = run(plain).change;
   }
-  // Encoder steps change the force in each direction in which walls hold the tool: at a wall in one or two, in a pit
-  // that a bur has cut in three.
+  // Encoder steps change the force in each direction in which walls hold the tool. A wall has one or two of them, a pit
+  // that a bur has cut has three.
   const double plain = (c[kBur] > 0 ? 1.5 * std::sqrt(1.5) : 1.5) * place->second;
   // An unstable loop swings between zero and the force that it holds, of the hand and of a guide that presses.
   const double held = (c[kGuides] == 2 ? 0.8 : 0.5) * test::kBenchDevices[c[kDevice]].force;

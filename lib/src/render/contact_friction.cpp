@@ -10,8 +10,8 @@ constexpr double kStick = 0.5;  // of the stiffness along the surface: encoder s
 
 }  // namespace
 
-JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, const Target* targets, const Wall* walls,
-                        int count, const double* force, JointRow& lastEstimate, FrictionMemory& memory) noexcept {
+JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, JointRow& lastEstimate,
+                        FrictionMemory& memory) noexcept {
   const Kinematics& k = frame.kinematics;
   JointRow torque{}, moved{};
   Lane coming{};
@@ -27,8 +27,7 @@ JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, con
   const Vec6 way6 = motionOf(moved), ahead6 = motionOf(modes.toJoints(coming)),
              velocity6 = motionOf(modes.toJoints(modes.rate));
   std::array<double, kMaxContacts> normals{};
-  for (int i = 0; i < count; ++i)
-    if (const double c = walls[targets[i].wall].contact; c >= 0.0) normals[static_cast<std::size_t>(c)] = force[i];
+  for (int c = 0; c < frame.contacts.count; ++c) normals[static_cast<std::size_t>(c)] = walls[c].force;
   memory.begin();
   for (int c = 0; c < frame.contacts.count; ++c) {
     const Contact& contact = frame.contacts.contacts[c];

@@ -108,6 +108,7 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
     if (before != end) {
       before->contact = c;
       w.holds = before->holds;
+      w.force = before->force;
       was = before->gap;
     }
     const double way = modes.tremor * complianceOf(modes, modes.toModes(w.row)) + (moves + std::abs(w.speed)) * T;
@@ -144,6 +145,7 @@ int placeTargets(const TickFrame& frame, const PredictedModes& modes, const Rebo
   for (int i = 0; i < count; ++i) {
     Wall& w = walls[i];
     Target& t = targets[placed];
+    w.force = 0.0;
     t.row = modes.toModes(w.row);
     double next = w.gap - w.rest * modes.seconds - w.after * modes.period, gap = w.gap - w.rest * modes.seconds,
            square = 0.0, inverse = 0.0, lead = 0.0;
@@ -219,14 +221,6 @@ void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wa
     solveWalls(frame, modes, walls, targets, count, force);
     if (!(error > 0.0)) return;
   }
-}
-
-bool carryFriction(const PredictedModes& modes, const Lane& torque, Target* targets, int count) noexcept {
-  bool moves = false;
-  for (int k = 0; k < modes.count; ++k) moves = moves || torque[k] != 0.0;
-  for (int i = 0; moves && i < count; ++i)
-    for (int k = 0; k < modes.count; ++k) targets[i].gap += targets[i].row[k] * torque[k] / modes.law.stiffness[k];
-  return moves;
 }
 
 }  // namespace enamel

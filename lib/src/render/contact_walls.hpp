@@ -24,6 +24,7 @@ struct Wall {
   double retreated = 0.0;  ///< m: of a wall that has vanished
   double contact = -1.0;   ///< index in the frame; -1: vanished
   double movable = -1.0;   ///< number of the obstacle if it is movable, else -1
+  double force = 0.0;      ///< of the last tick, N
   double holds = 0.0;      ///< the tool has reached it, and the hand has not left it since
 };
 
@@ -75,13 +76,9 @@ int placeTargets(const TickFrame& frame, const PredictedModes& modes, const Rebo
 void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, Target* targets, int count,
                    double* force) noexcept;
 
-/// Return the friction torque at the contacts. Its limit uses the force that balances the hand's push; the commanded
-/// one chatters. lastEstimate: joints at the last tick. Realtime: yes.
-JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, const Target* targets, const Wall* walls,
-                        int count, const double* force, JointRow& lastEstimate, FrictionMemory& memory) noexcept;
-
-/// Move the targets by the torque of friction, in modes: the contact forces are then those beside it, and what friction
-/// holds, the walls do not hold too. Returns whether there is a torque. Realtime: yes.
-bool carryFriction(const PredictedModes& modes, const Lane& torque, Target* targets, int count) noexcept;
+/// Return the friction torque at the contacts, under the loads of the last tick. lastEstimate: joints at the last tick.
+/// Realtime: yes.
+JointRow frictionTorque(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, JointRow& lastEstimate,
+                        FrictionMemory& memory) noexcept;
 
 }  // namespace enamel

@@ -84,9 +84,9 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   };
   // The states at the time when the command acts.
   struct alignas(64) Ahead {
-    States x, next;              // at that time, and a tick later with the guides alone
-    States sensitivity;          // derivative of `next` by ln(mass), due to what acts from now on
-    Lane guide;                  // torque of the guides, which acts with the new command
+    States x, next;              // at that time, and a tick later without contact forces
+    States sensitivity;          // derivative of the last one by ln(mass), due to what acts from now on
+    Lane beside{};               // torque that acts beside the contact forces: of guides and friction
     Lane pending[kMostPending];  // commands that may act instead of the new one, newest first
     PredictedModes modes;
   };
@@ -101,9 +101,9 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void compareReport(const TickFrame& frame, DelayEstimator::Evidence& evidence) const noexcept;
   double compareReading(const Lane& reading, DelayEstimator::Evidence& evidence) const noexcept;
   void learnDelay(const TickFrame& frame, const Lane& reading) noexcept;
-  void predict(const TickFrame& frame, const JointRow& reading, const JointRow& guide, Ahead& a) const noexcept;
-  void hold(const TickFrame& frame, const Ahead& a, const Wall* walls, Target* targets, int count, double* force,
-            TickOutput& output) noexcept;
+  void predict(const TickFrame& frame, const JointRow& reading, Ahead& a) const noexcept;
+  void addTorque(const JointRow& torque, Ahead& a) const noexcept;
+  void act(Ahead& a) const noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
   double largestSafe(const Ahead& a, const Lane& row, double step, double speed, double depth) noexcept;
@@ -396,7 +396,7 @@ void PositionControlRenderer::ControllerOf<kMech>::learnDelay(const TickFrame& f
 
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& frame, const JointRow& reading,
-                                                           const JointRow& guide, Ahead& a) const noexcept {
+                                                           Ahead& a) const noexcept {
   const typename Observer::State& s = memory_.observer;
   const double T = options_.period, scale = std::exp(s.scale);
   std::memcpy(a.x, s.mean, sizeof a.x);
@@ -406,10 +406,6 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
     observer_.advanceSensitivity(command, a.x, a.sensitivity);
     observer_.advance(command, a.x);
   }
-  a.guide = toModes(guide);
-  observer_.advanceSensitivity(a.guide, a.x, a.sensitivity);
-  std::memcpy(a.next, a.x, sizeof a.next);
-  observer_.advance(a.guide, a.next);
   for (int d = 0; d < delay().pending; ++d) a.pending[d] = toModes(memory_.sent[d]);
   PredictedModes& m = a.modes;
   m = {};
@@ -424,16 +420,35 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   m.inertia.fill(1.0);
   for (int k = 0; k < joints_; ++k) {
     m.inertia[k] = s.inertia[k] * scale + options_.drive.rotorInertia;
-    const double rotor = kMech == 4 ? options_.drive.rotorInertia / m.inertia[k] : 0.0;
     m.estimate[k] = s.mean[kLink][k];
     m.place[k] = a.x[kLink][k];
     m.rate[k] = a.x[kLink + 1][k];
-    m.next[k] = a.next[kLink][k];
-    m.nextRate[k] = (1.0 - rotor) * a.next[kLink + 1][k] + (kMech == 4 ? rotor * a.next[1][k] : 0.0);
   }
   observer_.law(s, a.x, a.pending, m.law);
-  // The total command K (r - w) contains the torque g of the guides: the rest is K (r - (w + g / K)).
-  for (int k = 0; k < joints_; ++k) m.law.wouldBe[k] += a.guide[k] / m.law.stiffness[k];
+}
+
+// Add a torque g that acts beside the contact forces. The total command K (r - w) contains it: the rest is
+// K (r - (w + g / K)).
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::addTorque(const JointRow& torque, Ahead& a) const noexcept {
+  const Lane more = toModes(torque);
+  for (int k = 0; k < joints_; ++k) {
+    a.beside[k] += more[k];
+    a.modes.law.wouldBe[k] += more[k] / a.modes.law.stiffness[k];
+  }
+}
+
+// Predict the tick in which the command acts, without contact forces.
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::act(Ahead& a) const noexcept {
+  observer_.advanceSensitivity(a.beside, a.x, a.sensitivity);
+  std::memcpy(a.next, a.x, sizeof a.next);
+  observer_.advance(a.beside, a.next);
+  for (int k = 0; k < joints_; ++k) {
+    const double rotor = kMech == 4 ? options_.drive.rotorInertia / a.modes.inertia[k] : 0.0;
+    a.modes.next[k] = a.next[kLink][k];
+    a.modes.nextRate[k] = (1.0 - rotor) * a.next[kLink + 1][k] + (kMech == 4 ? rotor * a.next[1][k] : 0.0);
+  }
 }
 
 // Largest force along a row of the modes that does not throw the tool out. The push must stop the outward motion within
@@ -465,7 +480,7 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
   for (int d = 0; d <= late.low; ++d) observer_.pullBack(outward);
   auto force = observer_.moments(memory_.observer, push);
   const auto uncertain = observer_.moments(memory_.observer, outward);
-  for (int k = 0; k < joints_; ++k) force.mean += push[kPush][k] * a.guide[k];
+  for (int k = 0; k < joints_; ++k) force.mean += push[kPush][k] * a.beside[k];
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
   const double turnsBack = std::sqrt(2.0 * rebound().distance(std::min(sure, memory_.step), mass, step) * sure / mass),
@@ -527,18 +542,6 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
   return std::min(asked, most) / total;
 }
 
-// Compute the contact forces, N.
-template <int kMech>
-void PositionControlRenderer::ControllerOf<kMech>::hold(const TickFrame& frame, const Ahead& a, const Wall* walls,
-                                                        Target* targets, int count, double* force,
-                                                        TickOutput& output) noexcept {
-  output.saturated = false;
-  if (count == 0) return;
-  contactForces(frame, a.modes, walls, targets, count, force);
-  const double given = share(frame, a, walls, targets, count, force, output);
-  for (int i = 0; i < count; ++i) force[i] *= given;
-}
-
 // Torque of the guides at driven joints.
 template <int kMech>
 JointRow PositionControlRenderer::ControllerOf<kMech>::guideOf(const TickFrame& frame) const noexcept {
@@ -583,20 +586,23 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   if (m.doubts > kMostDoubts) return Status::outOfRange;  // no tool moves like this
 
   Ahead a;
-  predict(frame, reading, guide, a);
-  double sum = 0.0;
-  for (int k = 0; k < n; ++k) sum += a.modes.next[k] + a.modes.law.wouldBe[k];
-  if (!std::isfinite(sum)) return Status::notFinite;
+  predict(frame, reading, a);
+  addTorque(guide, a);
   Wall walls[kMostWalls];
   Target targets[kMostWalls];
   double force[kMaxWalls] = {};
   const double near = kNear * options_.scale;
-  const int count = collectWalls(frame, a.modes, m.lastReading, m.walls, walls),
-            placed = placeTargets(frame, a.modes, rebound(), near, walls, count, targets);
-  hold(frame, a, walls, targets, placed, force, output);
-  const JointRow held = frictionTorque(frame, a.modes, targets, walls, placed, force, m.lastEstimate, m.friction);
-  if (carryFriction(a.modes, toModes(held), targets, placed)) hold(frame, a, walls, targets, placed, force, output);
-  JointRow torque{};
+  const int count = collectWalls(frame, a.modes, m.lastReading, m.walls, walls);
+  const JointRow held = frictionTorque(frame, a.modes, walls, m.lastEstimate, m.friction);
+  addTorque(held, a);
+  act(a);
+  double sum = 0.0;
+  for (int k = 0; k < n; ++k) sum += a.modes.next[k] + a.modes.law.wouldBe[k];
+  if (!std::isfinite(sum)) return Status::notFinite;
+  const int placed = placeTargets(frame, a.modes, rebound(), near, walls, count, targets);
+  if (placed > 0) contactForces(frame, a.modes, walls, targets, placed, force);
+  const double given = share(frame, a, walls, targets, placed, force, output);
+  JointRow torque = held;
   m.merged = 0.0;
   output.mode = RenderMode::free;
   output.normalForce = 0.0;
@@ -604,6 +610,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
     if (walls[c].gap <= near || frame.contacts.contacts[c].grip > 0.0) output.mode = RenderMode::contact;
   for (int i = 0; i < placed; ++i) {
     Wall& w = walls[targets[i].wall];
+    w.force = force[i] *= given;
     if (!(force[i] > 0.0)) {
       m.merged += 1.0;
       if (targets[i].gap > 0.0) w.holds = 0.0;  // the hand would take the tool off
@@ -618,8 +625,8 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   std::copy_n(walls, count, m.walls.wall.begin());
   output.torque.resize(n);
   for (int j = 0; j < n; ++j) {
-    if (!std::isfinite(torque[j] + held[j])) return Status::notFinite;
-    output.torque[j] = kin.gravity[j] + torque[j] + held[j];
+    if (!std::isfinite(torque[j])) return Status::notFinite;
+    output.torque[j] = kin.gravity[j] + torque[j];
   }
   output.saturated = saturate(output.torque, kin.gravity, frame.maxTorque) || output.saturated;
   m.lastReading = reading;
