@@ -261,7 +261,10 @@ TEST_CASE("compare searches the best spring for each delay", "[compare_command]"
   CHECK(found[0] > 2.0 * found[1]);
   for (const char* row : {"none,best-spring,4,0,", "constant:2,best-spring,4,0,"})  // four runs, none lost
     CHECK_THAT(file(folder, "out", "compare.csv"), ContainsSubstring(row));
-  CHECK_THAT(file(folder, "out", "compare.html"), ContainsSubstring("best spring ("));
+  CHECK_THAT(file(folder, "out", "compare.html"), ContainsSubstring("best spring"));
+  const auto study = nlohmann::json::parse(file(folder, "out/closed-form-none", "study.json"));
+  CHECK(std::stod(study.at("servo gains").at("best-spring").get<std::string>()) ==
+        Approx(1e3 * found[0]).epsilon(1e-3));
 }
 
 TEST_CASE("the names of version 0.2 do the same, with a warning that has the new ones", "[compare_command]") {

@@ -166,15 +166,14 @@ Make edge(const Study& study, std::size_t c, double& period) {
   return impedance({kInside * 2.0 * available / period, 0.0}, false);
 }
 
-Make bestSpring(Study& study, std::size_t c, ColumnRecords& records) {
+Make bestSpring(const Study& study, std::size_t c, ColumnRecords& records) {
   const std::string& name = study.plan.columns[c].name;
   const BestSpring best = findBestSpring(study.plan, c, study.options.threads);
   if (!(best.stiffness > 0.0)) throw Error(name + ": every spring of the search loses a run");
   const ImpedanceOptions& spring = best.spring;
-  const std::string numbers = fmt::format("{:.4g} kN/m, {:.4g} N s/m", 1e-3 * spring.stiffness, spring.damping);
-  fmt::print(stderr, "{}: {}; K_d {:.3g} kN/m in the search\n", name, numbers, 1e-3 * best.stiffness);
-  study.labels[c].title += " (" + numbers + ")";
-  records.servos[name] = checksumOfValues({spring.stiffness, spring.damping});
+  fmt::print(stderr, "{}: {:.4g} kN/m, {:.4g} N s/m; K_d {:.3g} kN/m in the search\n", name, 1e-3 * spring.stiffness,
+             spring.damping, 1e-3 * best.stiffness);
+  records.servos[name] = fmt::format("{} N/m, {} N s/m", spring.stiffness, spring.damping);
   return impedance(spring, false);
 }
 
@@ -219,7 +218,7 @@ Make hold(const Study& study, std::size_t c, ColumnRecords& records) {
   };
 }
 
-Make linked(Study& study, std::size_t c, double& period, ColumnRecords& records) {
+Make linked(const Study& study, std::size_t c, double& period, ColumnRecords& records) {
   switch (study.labels[c].kind) {
     case ColumnKind::impedance: return impedance(study.options.impedance, false);
     case ColumnKind::passivity: return impedance(study.options.impedance, true);
