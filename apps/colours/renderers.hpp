@@ -23,6 +23,7 @@ inline constexpr RendererLook kRendererLooks[] = {
     {"passivity", "passivity control", kGreen, {}},
     {"hold-scheduled", "scheduled hold", kSky, {9, 3}},
     {"impedance-edge", "impedance at the edge of eq. 16", kPurple, {2, 3}},
+    {"best-spring", "best spring", kPurple, {9, 3}},
     {"tuned:hold", "hold, tuned", kSky, {5, 3}},
     {"tuned:hold-delay", "hold that foresees the delay, tuned", kSky, {2, 3}},
     {"tuned:virtual-coupling", "virtual coupling, tuned", kOrange, {5, 3}},

@@ -15,6 +15,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "enamel/study/parallel.hpp"
 #include "plant_option.hpp"
 #include "program/outputs.hpp"
@@ -31,7 +32,7 @@ struct DesignOptions {
   double rate = 1000.0;
   ServoWeights weights;
   std::vector<double> at{0.0, 0.0, 0.0};
-  bool tune = false, rivals = false, overwrite = false;
+  bool tune = false, rivals = false, bestSpring = false, hasPlant = false, overwrite = false;
   RivalSearchOptions search;
   TuneRequirements required;
   double deviceDamping = 0.0, push = 12.0;
@@ -220,9 +221,11 @@ void run(DesignOptions options) {
     design = designServo(device.problem.plant, device.problem.period, options.weights);
   }
   if (!writesOthers)
-    printExpectation(expectWall(device.parameters, device.problem.period, kLargestDelay, threads),
-                     device.problem.period,
-                     dampingAlong(*device.mechanism, device.mechanism->home().pose, Vec3::UnitZ()));
+    printExpectation(
+        expectWall(options.hasPlant ? modelFor(options.search.plant, device.parameters) : device.parameters,
+                   device.problem.period, kLargestDelay, threads, options.bestSpring),
+        device.problem.period, dampingAlong(*device.mechanism, device.mechanism->home().pose, Vec3::UnitZ()),
+        options.bestSpring);
   const DesignedServo servo = measure(options, device, design);
   if (!options.output.empty()) writeFile(options.output, jsonOf(servo));
   printSummary(device, servo);
@@ -264,11 +267,16 @@ void addServoOptions(CLI::App& command, DesignOptions& options) {
 }
 
 void addSearchOptions(CLI::App& command, DesignOptions& options) {
+  command.add_flag("--best-spring", options.bestSpring,
+                   "search the stiffest spring at each delay, and compare position control with it (minutes)");
   command.add_flag("--rivals", options.rivals,
                    "tune the rivals of position control in simulation, each at every delay (an hour);\n--output writes "
                    "the values for --tuned of study and compare");
   options.search.plant = kClosedForm;
-  takeOldNames(command.add_option("--plant", options.search.plant, std::string("--rivals: ") + kPlantHelp)
+  takeOldNames(command
+                   .add_option("--plant", options.search.plant,
+                               std::string("the estimate and --rivals: ") + kPlantHelp +
+                                   "; the estimate without --plant is on imperfect if the file has imperfections")
                    ->check(CLI::Validator(checkPlant, ""))
                    ->capture_default_str(),
                "plant");
@@ -314,7 +322,10 @@ void addDesign(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   addSearchOptions(*command, *options);
   addOverwrite(*command, options->overwrite, {"--output", "--impedance-map", "--stability"});
-  command->callback([options] { run(*options); });
+  command->callback([options, command] {
+    options->hasPlant = command->count("--plant") > 0;
+    run(*options);
+  });
 }
 
 }  // namespace enamel::app

@@ -8,7 +8,8 @@ namespace enamel::app {
 /// Return the changes of the device that would increase the stiffness by more than 5 %.
 std::string helpOf(const WallExpectation& expectation);
 
-/// Print one line for each delay. `damping`: the device's own damping along z at home, N s/m.
-void printExpectation(const std::vector<WallExpectation>& expectations, double period, double damping);
+/// Print one line for each delay. `damping`: the device's own damping along z at home, N s/m. `withSpring`
+/// adds the best springs.
+void printExpectation(const std::vector<WallExpectation>& expectations, double period, double damping, bool withSpring);
 
 }  // namespace enamel::app

@@ -101,7 +101,7 @@ void addWalls(Page& page, const Identification& result, const std::vector<WallEx
   for (const WallExpectation& e : expected) {
     const bool isOwn = e.delay >= result.delay.low && e.delay <= result.delay.high;
     rows.push_back({fmt::format("{}{}", e.delay, isOwn ? " (this loop)" : ""),
-                    fmt::format("{:.3g}", 1e-3 * e.stiffness), fmt::format("{:.3f}", e.chatter),
+                    fmt::format("{:.3g}", 1e-3 * e.stiffness.mean), fmt::format("{:.3f}", e.chatter),
                     fmt::format("{:.0f}", 1e6 * e.bounce), fmt::format("{:.3g}", e.safePush),
                     fmt::format("{} of {}", e.lost, e.runs), escape(helpOf(e))});
   }

@@ -197,6 +197,7 @@ class ThroughDriver final : public HapticDevice {
     Status status = opened_.device->measure(m);
     if (rig_.await) rig_.await(*opened_.device, m, status);
     m.rates = sample_.rates;  // differences: the spring is stiffer than with the low pass of a driver
+    m.time = sample_.time;    // the loop's clock, which goes on when a sample is lost
     return status;
   }
   [[nodiscard]] Status actuate(const Command& command) noexcept override {
@@ -296,7 +297,8 @@ void compareOn(const std::string& plant, const std::string& name, const Rig& rig
     CHECK(a.lost == 0);
   }
   CHECK(scores[0].lost == 0);
-  CHECK(control > 0.85 * tasks.ratio * spring);  // the page has 90 pushes, at nine points
+  // The page has 90 pushes, at nine points. Its ratios are those of the ideal plant.
+  CHECK(control > (plant == kClosedForm ? 0.85 * tasks.ratio : 1.0) * spring);
 }
 
 // On the ideal plant, and on the imperfect one if the file has its numbers.
@@ -341,12 +343,12 @@ TEST_CASE("the Force Dimension driver in simulated time, with faults", "[drivers
 
 TEST_CASE("tasks of the comparison through the Force Dimension driver", "[drivers]") {
   const test::DhdRig standIn;
-  compare("omega.3", standIn.rig, {1.92, 3.6, 0.24, 0.12, 48.8e3, 140.0, 0, 1.76});
+  compare("omega.3", standIn.rig, {1.92, 3.6, 0.24, 0.12, 45.85e3, 118.9, 0, 1.69});
 }
 
 TEST_CASE("position control learns the delay of the device", "[drivers]") {
   const test::DhdRig standIn;
-  const Tasks tasks{1.92, 3.6, 0.24, 0.12, 48.8e3, 140.0, 0, 0.0};
+  const Tasks tasks{1.92, 3.6, 0.24, 0.12, 45.85e3, 118.9, 0, 0.0};
   for (const Delay& assumed : {Delay{0, 0}, Delay{0, 1}, Delay{1, 1}})
     for (int actual = 0; actual <= assumed.high + 2; ++actual) {
       StudyPlan plan = pushesOf(kClosedForm, standIn.rig, tasks, assumed);
@@ -374,11 +376,14 @@ TEST_CASE("the OpenHaptics driver in simulated time, with faults", "[drivers]") 
 
 TEST_CASE("tasks of the comparison through the OpenHaptics driver", "[drivers]") {
   const test::HdRig standIn;
-  compare("Touch", standIn.rig, {0.528, 0.99, 0.066, 0.033, 2.114e3, 15.75, 1, 1.49});
+  compare("Touch", standIn.rig, {0.528, 0.99, 0.066, 0.033, 2.169e3, 15.91, 1, 1.50});
 }
 
-// The side of a bur, 60 mm in front of the hand, presses against a wall beside it. The stylus turns without motors.
-TEST_CASE("a stylus feels the side of a bur at the end of a tool of 60 mm", "[drivers]") {
+namespace {
+
+// The side of a bur, 60 mm in front of the hand, presses against a wall beside it. The hand turns the stylus to and fro
+// by `turn` (rad), without motors. The bur must not get deeper than `most` (m).
+void feelSide(double turn, double most) {
   const test::HdRig standIn;
   const Rig& rig = standIn.rig;
   OpenedDevice opened = openAt(rig.url);
@@ -397,10 +402,9 @@ TEST_CASE("a stylus feels the side of a bur at the end of a tool of 60 mm", "[dr
   int count = 0, inContact = 0;
   constexpr int kTicks = 6000, kSettled = 1000;
   for (int i = 0; i < kTicks; ++i) {
-    // The hand is 5 mm behind the wall, then turns the stylus to and fro by 0.05 rad about y. That moves the bur by
-    // 3 mm.
+    // The hand is 5 mm behind the wall, then turns the stylus about y.
     rig.hold({middle - kPress, 0.0, 0.0}, kStiffness, 5.0);
-    standIn.set("turn-y", i < kTicks / 2 ? 0.0 : 0.05 * std::sin(2.0 * M_PI * kPeriod * (i - kTicks / 2)));
+    standIn.set("turn-y", i < kTicks / 2 ? 0.0 : turn * std::sin(2.0 * M_PI * kPeriod * (i - kTicks / 2)));
     (void)body.step();
     INFO("tick " << i << ": " << toString(haptics.guard().fault()));
     REQUIRE(haptics.guard().fault() == GuardReason::none);
@@ -415,12 +419,20 @@ TEST_CASE("a stylus feels the side of a bur at the end of a tool of 60 mm", "[dr
     ++count;
   }
   const double force = sum / count, place = way / count;
-  std::cout << "side of a bur: deepest " << 1e3 * deepest << " mm, mean force " << force << " N, hand at "
-            << 1e3 * place << " mm, in contact in " << inContact << " of " << kTicks - kSettled << " ticks\n";
+  std::cout << "side of a bur, turned by " << turn << " rad: deepest " << 1e3 * deepest << " mm, mean force " << force
+            << " N, hand at " << 1e3 * place << " mm, in contact in " << inContact << " of " << kTicks - kSettled
+            << " ticks\n";
   // The wall holds the bur against the hand's spring, up to the friction of the device (0.26 N).
   CHECK(std::abs(force - kStiffness * (place - (middle - kPress))) < 0.26);
-  CHECK(deepest < 0.5e-3);
+  CHECK(deepest < most);
   CHECK(inContact > (kTicks - kSettled) / 2);
+}
+
+}  // namespace
+
+TEST_CASE("a stylus feels the side of a bur at the end of a tool of 60 mm", "[drivers]") {
+  feelSide(0.05, 0.5e-3);
+  feelSide(0.1, 1e-3);
 }
 
 TEST_CASE("the first trial with the OpenHaptics driver", "[drivers]") { tryFirst("Touch", test::HdRig().rig); }
@@ -441,7 +453,7 @@ TEST_CASE("the Haply driver in simulated time, with faults", "[drivers]") {
 
 TEST_CASE("tasks of the comparison through the Haply driver", "[drivers]") {
   const test::HaplyRig standIn;
-  compare("Inverse3", standIn.rig, {0.96, 1.8, 0.12, 0.06, 5.87e3, 35.0, 1, 2.15});
+  compare("Inverse3", standIn.rig, {0.96, 1.8, 0.12, 0.06, 6.25e3, 38.56, 1, 2.01});
 }
 
 // Each takes seven seconds, because every tick passes through a socket.

@@ -244,6 +244,29 @@ TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[co
   refused("--device-damping impedance=4", "impedance-edge needs device damping");
 }
 
+TEST_CASE("compare searches the best spring for each delay", "[compare_command]") {
+  const test::TemporaryFolder folder;
+  const auto result =
+      run("compare --device '" + test::deviceFile("cartesian-3.toml") +
+          "' --renderers position-control,best-spring --device-damping 0 --tasks push --scenario 1 "
+          "--plants closed-form --delays none,constant:2 --grid 1 --runs 4 --force 0.5,1 --preload 0.07 "
+          "--noise 0.03 --output '" +
+          (folder / "out") + "'");
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  std::vector<double> found;  // kN/m
+  for (std::size_t at = 0; (at = result.output.find("best-spring: ", at)) != std::string::npos; ++at)
+    found.push_back(std::stod(result.output.substr(at + 13)));
+  REQUIRE(found.size() == 2);
+  CHECK(found[0] > 2.0 * found[1]);
+  for (const char* row : {"none,best-spring,4,0,", "constant:2,best-spring,4,0,"})  // four runs, none lost
+    CHECK_THAT(file(folder, "out", "compare.csv"), ContainsSubstring(row));
+  CHECK_THAT(file(folder, "out", "compare.html"), ContainsSubstring("best spring"));
+  const auto study = nlohmann::json::parse(file(folder, "out/closed-form-none", "study.json"));
+  CHECK(std::stod(study.at("servo gains").at("best-spring").get<std::string>()) ==
+        Approx(1e3 * found[0]).epsilon(1e-3));
+}
+
 TEST_CASE("the names of version 0.2 do the same, with a warning that has the new ones", "[compare_command]") {
   const test::TemporaryFolder folder;
   // The first line is the warning. The rest must equal the output of the new names.

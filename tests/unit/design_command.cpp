@@ -74,7 +74,7 @@ TEST_CASE("design without a file to write prints its report", "[design]") {
   for (const char* part :
        {"TAU nominal at (0, 0, 0) m: ", "closed loop: spectral radius 0.9582",
         "disk margin: ", "delay: stable up to 1 samples", "first impact, 12 N: ", "q6 ", "Table II", "NOT MET",
-        "Position control, estimated from 12 simulated pushes", "twice the rate: +", "passive spring"})
+        "Position control, estimated from 90 simulated pushes", "twice the rate: +", "passive spring"})
     CHECK_THAT(report.output, test::ContainsSubstring(part));
   // With a file the report is the same, without the simulated pushes, which take nearly all of its time.
   const test::TemporaryFolder folder;
@@ -89,6 +89,28 @@ TEST_CASE("design without a file to write prints its report", "[design]") {
   CHECK_THAT(summary("--force 50"), test::ContainsSubstring("first impact, 50 N: "));
   CHECK_THAT(summary("--force 100"), test::ContainsSubstring("the motors cannot hold the push"));
   CHECK(summary("--device-damping 4") != plain);
+}
+
+TEST_CASE("design compares position control with the best springs", "[design]") {
+  const auto report = run("design --best-spring --device '" + test::deviceFile("cartesian-3.toml") + "' --force 1");
+  INFO(report.output);
+  REQUIRE(report.status == 0);
+  const std::size_t table = report.output.find("The best spring that a search");
+  REQUIRE(table != std::string::npos);
+  std::istringstream lines(report.output.substr(table));
+  std::string line;
+  for (int i = 0; i < 3; ++i) std::getline(lines, line);
+  double before = 1e9;
+  for (int delay = 0; delay <= 3; ++delay) {
+    int ticks = -1, lost = -1;
+    double stiffness = 0.0, spring = 0.0, damping = 0.0, ratio = 0.0;
+    REQUIRE(static_cast<bool>(lines >> ticks >> stiffness >> spring >> damping >> lost >> ratio));
+    std::getline(lines, line);
+    CHECK(ticks == delay);
+    CHECK(stiffness < before);
+    CHECK(ratio > 1.0);
+    before = stiffness;
+  }
 }
 
 TEST_CASE("design takes other weights, rates and places", "[design]") {

@@ -16,6 +16,7 @@
 #include "enamel/render/hold.hpp"
 #include "enamel/render/passivity.hpp"
 #include "enamel/render/position_control.hpp"
+#include "enamel/study/best_spring.hpp"
 #include "enamel/study/controllers.hpp"
 #include "enamel/study/parallel.hpp"
 #include "program/plugin_folder.hpp"
@@ -76,6 +77,7 @@ RendererChoice choiceOf(const std::string& text) {
     return RendererChoice{kind, text, viewer::lookOf(text)->title, "", nullptr};
   };
   if (text == kEdge) return listed(ColumnKind::edge);
+  if (text == kBestSpring) return listed(ColumnKind::bestSpring);
   if (text == kScheduled) return listed(ColumnKind::scheduled);
   if (const std::filesystem::path path = std::filesystem::u8path(text); path.extension() == ".json") {
     const std::string name = path.stem().u8string();
@@ -164,6 +166,17 @@ Make edge(const Study& study, std::size_t c, double& period) {
   return impedance({kInside * 2.0 * available / period, 0.0}, false);
 }
 
+Make bestSpring(const Study& study, std::size_t c, ColumnRecords& records) {
+  const std::string& name = study.plan.columns[c].name;
+  const BestSpring best = findBestSpring(study.plan, c, study.options.threads);
+  if (!(best.stiffness > 0.0)) throw Error(name + ": every spring of the search loses a run");
+  const ImpedanceOptions& spring = best.spring;
+  fmt::print(stderr, "{}: {:.4g} kN/m, {:.4g} N s/m; K_d {:.3g} kN/m in the search\n", name, 1e-3 * spring.stiffness,
+             spring.damping, 1e-3 * best.stiffness);
+  records.servos[name] = fmt::format("{} N/m, {} N s/m", spring.stiffness, spring.damping);
+  return impedance(spring, false);
+}
+
 Make rival(const Study& study, const std::string& column, ColumnRecords& records) {
   const StudyOptions& options = study.options;
   const PushSetup& setup = study.plan.setup;
@@ -210,6 +223,7 @@ Make linked(const Study& study, std::size_t c, double& period, ColumnRecords& re
     case ColumnKind::impedance: return impedance(study.options.impedance, false);
     case ColumnKind::passivity: return impedance(study.options.impedance, true);
     case ColumnKind::edge: return edge(study, c, period);
+    case ColumnKind::bestSpring: return bestSpring(study, c, records);
     case ColumnKind::rival: return rival(study, study.plan.columns[c].name, records);
     case ColumnKind::positionControl: return positionControl(study);
     case ColumnKind::hold:

@@ -25,7 +25,9 @@ void addRendererOptions(CLI::App& command, StudyOptions& options) {
   command
       .add_option("--renderers", options.renderers,
                   "renderers, separated by commas: those of enamel push; hold-scheduled: hold with a servo designed at "
-                  "every query point; tuned:NAME: a rival with the values of --tuned; impedance-edge: a spring at four "
+                  "every query point; tuned:NAME: a rival with the values of --tuned; best-spring: the spring with the "
+                  "largest K_d that loses no run, by a search with other random numbers (minutes); impedance-edge: a "
+                  "spring at four "
                   "times the rate, as stiff as eq. 16 allows; FILE.json: hold with this servo file")
       ->delimiter(',')
       ->capture_default_str();

@@ -21,6 +21,7 @@ inline constexpr const char* kScheduled = "hold-scheduled";
 /// Name of a spring with ticks of a quarter period, nearly as stiff as eq. 16 allows: K = 0.95 * 2 b / T for a device
 /// damping b.
 inline constexpr const char* kEdge = "impedance-edge";
+inline constexpr const char* kBestSpring = "best-spring";
 /// "tuned:NAME": a rival (rivalSpecs()) with the parameters that --tuned has for the delay.
 inline constexpr const char* kTuned = "tuned:";
 

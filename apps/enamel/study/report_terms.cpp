@@ -25,6 +25,8 @@ std::string definitionOf(const Study& study, std::size_t column) {
     case ColumnKind::passivity:
       return wall + " and a damper that removes the energy that the spring has been observed to generate.";
     case ColumnKind::edge: return "a spring whose ticks are a quarter as long, as stiff as eq. 16 (below) allows.";
+    case ColumnKind::bestSpring:
+      return "the spring with the largest mean K_d that loses no run, found by a search with other random numbers.";
     case ColumnKind::rival: return "a rival controller with parameters tuned for this device and delay.";
     case ColumnKind::plugin: break;
   }

@@ -15,7 +15,7 @@
 namespace enamel::app {
 
 /// Kind of a study's column. A plugin never counts as a linked renderer, even if it has the same name.
-enum class ColumnKind { positionControl, hold, impedance, passivity, scheduled, edge, rival, plugin };
+enum class ColumnKind { positionControl, hold, impedance, passivity, scheduled, edge, bestSpring, rival, plugin };
 
 /// Texts for a column of the plan in tables and pictures.
 struct ColumnLabel {

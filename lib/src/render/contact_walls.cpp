@@ -89,8 +89,12 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
     Wall& w = walls[count++];
     w = Wall{};
     w.row = frame.rows.row[c].normal;
+    double undriven = 0.0;  // change of the gap by joints without a motor, m
     for (int j = 0; j < modes.count; ++j)
-      if (!(frame.maxTorque[j] > 0.0)) w.row[j] = 0.0;
+      if (!(frame.maxTorque[j] > 0.0)) {
+        undriven += w.row[j] * moved[j];
+        w.row[j] = 0.0;
+      }
     w.gap = contact.gap;
     w.speed = w.rest = w.after = contact.normal.dot(contact.obstacleVelocity);
     if (frame.yield.isAny) {
@@ -109,7 +113,7 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
       before->contact = c;
       w.holds = before->holds;
       w.force = before->force;
-      was = before->gap;
+      was = before->gap + undriven;
     }
     const double way = modes.tremor * complianceOf(modes, modes.toModes(w.row)) + (moves + std::abs(w.speed)) * T;
     w.gap = std::max(w.gap, was - way);

@@ -27,9 +27,17 @@ bool isSize(const JointVector& v, int n) noexcept { return v.size() == n; }
 // False for NaN too.
 bool eachWithin(const JointVector& v, double limit) noexcept { return (v.array().abs() <= limit).all(); }
 
+// Angular velocity of the joints without a motor, W, rad/s.
+Vec3 undrivenTurn(const Kinematics& k, const JointVector& effort, const Vec6& twist) noexcept {
+  Vec3 turn = Vec3::Zero();
+  for (Eigen::Index i = 0; i < effort.size(); ++i)
+    if (effort[i] == 0.0) turn += k.jacobian.col(i).tail<3>() * k.inverseTransposed.col(i).dot(twist);
+  return turn;
+}
+
 // Mean velocity of the touched obstacles in W, each weighted by the commanded force along its normal. `turn`: angular
-// velocity of the tool that the joints do not measure, W, rad/s. The hand causes it, and it moves the tool over the
-// obstacle as if the obstacle moved.
+// velocity of the tool that no motor drives, W, rad/s. The hand causes it, and it moves the tool over the obstacle as
+// if the obstacle moved.
 Vec3 surfaceVelocity(const TickFrame& frame, const Vec3& turn) noexcept {
   const ContactSnapshot& contacts = frame.contacts;
   const auto velocityOf = [&](const Contact& c) {
@@ -416,8 +424,9 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
   s.acted = true;
   if (m.age == 0 || !known) {
     Vec3 turn = Vec3::Zero();
-    if (known && n_ < 6 && s.ticks == 1.0 && elapsed > 0.0)  // six joints measure every turn
-      turn = rotationVector(k.pose.rotation * s.rotation.transpose()) / elapsed - s.twist.tail<3>();
+    if (known && s.ticks == 1.0 && elapsed > 0.0)
+      turn = n_ < 6 ? Vec3(rotationVector(k.pose.rotation * s.rotation.transpose()) / elapsed - s.twist.tail<3>())
+                    : undrivenTurn(k, options_.torque, s.twist);
     s.surface = known && status == Status::ok ? surfaceVelocity(frame, turn) : Vec3(Vec3::Zero());
     if (known) s.rotation = k.pose.rotation;
   }

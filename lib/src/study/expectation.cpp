@@ -5,14 +5,14 @@
 
 #include "enamel/render/position_control.hpp"
 #include "enamel/sim/plant_maker.hpp"
-#include "enamel/study/monte_carlo.hpp"
+#include "enamel/study/best_spring.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/wall_trials.hpp"
 
 namespace enamel {
 namespace {
 
-constexpr int kRuns = 12, kChangedRuns = 8, kSafeRuns = 3, kBisections = 5;
+constexpr int kRuns = 90, kSafeRuns = 3, kBisections = 5;
 constexpr double kAfterStep = 0.15, kWithChatter = 1.2;  // s: for the depth; for the last second's chatter too
 
 // A device and its loop.
@@ -28,7 +28,7 @@ struct Pushes {
   double duration;  // after the step, s
 };
 
-std::vector<StudyResult> push(const Loop& loop, const Pushes& pushes) {
+StudyPlan planOf(const Loop& loop, const Pushes& pushes) {
   const char* plant = plantOf(loop.device);
   StudyPlan plan;
   plan.scenarios = {1};
@@ -51,22 +51,25 @@ std::vector<StudyResult> push(const Loop& loop, const Pushes& pushes) {
     return std::make_unique<PositionControlRenderer>(options);
   };
   plan.columns = {column};
+  return plan;
+}
+
+std::vector<StudyResult> perform(const StudyPlan& plan) {
   std::vector<StudyResult> results;
   for (std::size_t i = 0; i < plan.size(); ++i) results.push_back(performRun(plan, runAt(plan, i)));
   return results;
 }
 
-// Mean of the first `count` runs; 0 if all were lost.
-double meanStiffness(const std::vector<StudyResult>& runs, int count) {
+// K_d of the runs that were not lost.
+Spread stiffnessOf(const std::vector<StudyResult>& runs) {
   std::vector<double> values;
-  for (int i = 0; i < count; ++i)
-    if (const StudyResult& run = runs[static_cast<std::size_t>(i)]; !isLost(run) && run.metrics.depthStiffness)
-      values.push_back(*run.metrics.depthStiffness);
-  return values.empty() ? 0.0 : spreadOf(values).mean;
+  for (const StudyResult& run : runs)
+    if (!isLost(run) && run.metrics.depthStiffness) values.push_back(*run.metrics.depthStiffness);
+  return spreadOf(values);
 }
 
 bool isSafe(const Loop& loop, double force, double share) {
-  const std::vector<StudyResult> runs = push(loop, {force, force, share, kSafeRuns, kAfterStep});
+  const std::vector<StudyResult> runs = perform(planOf(loop, {force, force, share, kSafeRuns, kAfterStep}));
   return std::none_of(runs.begin(), runs.end(), [&](const StudyResult& run) {
     return isLost(run) || (run.metrics.depthStiffness && force / *run.metrics.depthStiffness > kSafeDepth);
   });
@@ -119,14 +122,26 @@ std::vector<std::pair<std::string, Loop>> changesOf(const Loop& loop) {
   return changes;
 }
 
-WallExpectation expect(const Loop& loop) {
+// Search the best spring, and let it perform the pushes of position control.
+void addSpring(StudyPlan plan, WallExpectation& e) {
+  const BestSpring best = findBestSpring(plan, 0, 1);
+  if (!(best.stiffness > 0.0)) return;
+  plan.columns[0].make = [&best](std::size_t) { return std::make_unique<ImpedanceRenderer>(best.spring); };
+  const std::vector<StudyResult> runs = perform(plan);
+  e.spring = best.spring;
+  e.springStiffness = stiffnessOf(runs);
+  e.springLost = static_cast<int>(std::count_if(runs.begin(), runs.end(), isLost));
+}
+
+WallExpectation expect(const Loop& loop, bool withSpring) {
   const double share = forceShare(*makeMechanism(loop.device));
   const Pushes pushes{8.0 * share, 15.0 * share, share, kRuns, kWithChatter};
-  const std::vector<StudyResult> runs = push(loop, pushes);
+  StudyPlan plan = planOf(loop, pushes);
+  const std::vector<StudyResult> runs = perform(plan);
   WallExpectation e;
   e.delay = loop.delay;
   e.runs = kRuns;
-  e.stiffness = meanStiffness(runs, kRuns);
+  e.stiffness = stiffnessOf(runs);
   for (const StudyResult& run : runs) {
     e.lost += isLost(run);
     if (isLost(run)) continue;
@@ -134,11 +149,12 @@ WallExpectation expect(const Loop& loop) {
     e.bounce = std::max(e.bounce, run.metrics.bounce);
   }
   e.safePush = largestSafePush(loop, share);
-  const double before = meanStiffness(runs, kChangedRuns);  // with the same pushes
-  if (!(before > 0.0)) return e;
-  const Pushes again{pushes.lowest, pushes.highest, share, kChangedRuns, kAfterStep};
+  if (withSpring) addSpring(plan, e);
+  if (e.stiffness.count == 0) return e;
+  const Pushes again{pushes.lowest, pushes.highest, share, kRuns, kAfterStep};  // the same
   for (const auto& [name, better] : changesOf(loop))
-    e.changes.push_back({name, meanStiffness(push(better, again), kChangedRuns) / before - 1.0});
+    if (const Spread changed = stiffnessOf(perform(planOf(better, again))); changed.count > 0)
+      e.changes.push_back({name, changed.mean / e.stiffness.mean - 1.0});
   std::stable_sort(e.changes.begin(), e.changes.end(),
                    [](const DeviceChange& a, const DeviceChange& b) { return a.gain > b.gain; });
   return e;
@@ -146,9 +162,12 @@ WallExpectation expect(const Loop& loop) {
 
 }  // namespace
 
-std::vector<WallExpectation> expectWall(const DeviceParameters& device, double period, int largestDelay, int threads) {
+std::vector<WallExpectation> expectWall(const DeviceParameters& device, double period, int largestDelay, int threads,
+                                        bool withSpring) {
   std::vector<WallExpectation> all(static_cast<std::size_t>(std::max(0, largestDelay)) + 1);
-  parallelFor(all.size(), threads, [&](std::size_t i) { all[i] = expect({device, period, static_cast<int>(i)}); });
+  parallelFor(all.size(), threads, [&](std::size_t i) {
+    all[i] = expect({device, period, static_cast<int>(i)}, withSpring);
+  });
   return all;
 }
 

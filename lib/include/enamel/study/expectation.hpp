@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "enamel/device/device_file.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/study/monte_carlo.hpp"
 
 namespace enamel {
 
@@ -22,18 +24,24 @@ struct WallExpectation {
   int delay = 0;  ///< delay of a command, ticks
   /// Lost runs left the workspace, were stopped by the guard, or were unstable. The numbers below exclude them.
   int runs = 0, lost = 0;
-  double stiffness = 0.0;  ///< mean K_d, N/m
-  double chatter = 0.0;    ///< largest chatter, N m or N
-  double bounce = 0.0;     ///< largest bounce, m
+  Spread stiffness;      ///< K_d, N/m
+  double chatter = 0.0;  ///< largest chatter, N m or N
+  double bounce = 0.0;   ///< largest bounce, m
   /// Largest step of the hand that stays below kSafeDepth and loses no run, N.
   double safePush = 0.0;
   std::vector<DeviceChange> changes;  ///< most helpful first
+  /// Best spring under the same pushes, its K_d (N/m) and lost runs; without runs if it was not searched or found.
+  ImpedanceOptions spring;
+  Spread springStiffness;
+  int springLost = 0;
 };
 
 /// Simulate pushes on a device at delays of 0 to `largestDelay` ticks of `period` s. Each push is a step of 8 to 15 N
 /// after 1 N, smaller on a weak device (forceShare()), at a random time within a tick. Encoders, the hand's noise and
-/// the device's [imperfections] are included. Then repeat with one of the device's data changed. The result does not
-/// depend on `threads`. Throws Error as makeMechanism(), positionControlFor() and runPush(). Realtime: no.
-std::vector<WallExpectation> expectWall(const DeviceParameters& device, double period, int largestDelay, int threads);
+/// the device's [imperfections] are included. Then repeat with one of the device's data changed. `withSpring` adds
+/// findBestSpring(), which takes a minute. The result does not depend on `threads`. Throws Error as makeMechanism(),
+/// positionControlFor() and runPush(). Realtime: no.
+std::vector<WallExpectation> expectWall(const DeviceParameters& device, double period, int largestDelay, int threads,
+                                        bool withSpring = false);
 
 }  // namespace enamel
