@@ -326,6 +326,7 @@ TEST_CASE("NULL and wrong sizes are errors of every function", "[c]") {
                                     enamel_solid_save(nullptr, "x", {nullptr, 0}),
                                     enamel_solid_compare(nullptr, &def, nullptr, nullptr, {nullptr, 0}),
                                     enamel_set_guides(nullptr, nullptr, 0),
+                                    enamel_named_tool("round-010", nullptr, {nullptr, 0}),
                                     enamel_set_tool(nullptr, nullptr, nullptr),
                                     enamel_set_renderer(nullptr, "hold", nullptr, 0),
                                     enamel_set_own_renderer(nullptr, nullptr, nullptr, 0),
@@ -637,6 +638,13 @@ TEST_CASE("a stroke is undone; a cut solid is copied, saved, loaded, compared, a
   enamel_virtual_destroy(device);
 
   char text[200];
+  EnamelTool named{};
+  CHECK(enamel_named_tool("flame-01", &named, {text, sizeof text}) == ENAMEL_FAILED);
+  CHECK_THAT(text, ContainsSubstring("\"flame-01\" is not a tool"));
+  REQUIRE(enamel_named_tool("flame-012-030", &named, {text, sizeof text}) == ENAMEL_OK);
+  CHECK(named.count == 8);
+  CHECK(named.head == 6);
+  CHECK(named.parts[5].b[2] + named.parts[5].radius == Approx(3e-3));
   CHECK(enamel_solid_load("no such tooth.solid", &loaded, {text, sizeof text}) == ENAMEL_FAILED);
   CHECK_THAT(text, ContainsSubstring("no such tooth.solid"));
   CHECK(loaded == nullptr);
