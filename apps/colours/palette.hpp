@@ -55,8 +55,8 @@ constexpr unsigned layerColour(std::string_view name, std::size_t layer) {
 /// Distance from a target with the full colour, m, unless another one is chosen.
 inline constexpr double kCutRange = 0.5e-3;
 
-/// Return the colour of a prepared surface at a distance above its target, as a share of that with the full colour:
-/// blue where it is too deep, white on the target, red where it is too high.
+/// Return the colour of a prepared surface at a distance above its target, as a share of that with the full colour.
+/// Blue is too deep, white is right, red is too high.
 inline Vec3 cutColour(double share) {
   return Vec3::Ones() + std::min(1.0, std::abs(share)) * (rgbOf(share < 0.0 ? kBlue : kVermilion) - Vec3::Ones());
 }

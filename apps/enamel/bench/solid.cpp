@@ -154,6 +154,7 @@ std::vector<Measurement> measureSolid(double scale) {
   measureCutting(std::make_shared<Solid>(*solid), toolOf("flame-010-040"), {0, 0.5, 2000.0}, "flame", calls, rows);
   rows.pop_back();
   rows.back().reference_us = constant_us;
+  rows.back().goal_us = kNoGoal;
   return rows;
 }
 

@@ -60,8 +60,8 @@ class ComplianceMemory {
 
   /// Enter compressions and punctures into the contacts of a new sample. A layer of a solid is at most as thick as its
   /// material is now below the contact, in whole cells. `bur`: the parts that spin. A solid is rigid for them: they cut
-  /// what they would compress. What they had compressed before, they cut in place: in this tick `cut` m of it
-  /// (Contact::sunk). Realtime: yes.
+  /// what they would compress. They stay in a layer that they had compressed before, and cut it in place: `cut` m in
+  /// this tick (Contact::sunk). Realtime: yes.
   void enter(const Scene& scene, const Tool& tool, const PartRange& bur, double cut,
              ContactSnapshot& contacts) noexcept;
 
