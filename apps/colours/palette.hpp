@@ -1,6 +1,8 @@
 // Colours of the viewer: calm backgrounds, and signals that colour-blind people can distinguish (Okabe and Ito 2008).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <string_view>
@@ -48,6 +50,15 @@ constexpr unsigned layerColour(std::string_view name, std::size_t layer) {
     if (tissue == name) return rgb;
   constexpr unsigned others[] = {0xF3EAD6, 0xE6BC62, 0xC4473F, 0x8FA9BF, 0x7E9B76, 0xA98BB5, 0x6C7785, 0x55606E};
   return others[layer % std::size(others)];
+}
+
+/// Distance from a target with the full colour, m, unless another one is chosen.
+inline constexpr double kCutRange = 0.5e-3;
+
+/// Return the colour of a prepared surface at a distance above its target, as a share of that with the full colour.
+/// Blue is too deep, white is right, red is too high.
+inline Vec3 cutColour(double share) {
+  return Vec3::Ones() + std::min(1.0, std::abs(share)) * (rgbOf(share < 0.0 ? kBlue : kVermilion) - Vec3::Ones());
 }
 
 }  // namespace enamel::viewer

@@ -23,7 +23,7 @@ struct SolidCommandOptions {
   std::string file, target, output;
   double unit = 1e-3;  // m
   std::vector<double> axis = {0.0, 0.0, 1.0};
-  double range = 0.5;  // mm
+  double range = 1e3 * viewer::kCutRange;  // mm
   bool overwrite = false;
 };
 
@@ -60,17 +60,11 @@ void print(const Solid& solid, const CutComparison& c) {
                1e3 * d->deepest, 1e3 * d->highest);
 }
 
-// Blue where too much is removed, white on the target, red where too little is removed, grey outside of the
-// preparation.
+// Grey outside of the preparation.
 std::vector<Vec3> coloursOf(const CutComparison& c, double range) {
-  const Vec3 deep = viewer::rgbOf(viewer::kBlue), high = viewer::rgbOf(viewer::kVermilion), right = Vec3::Ones(),
-             other = viewer::rgbOf(viewer::kMuted);
   std::vector<Vec3> colours;
-  for (std::size_t v = 0; v < c.distance.size(); ++v) {
-    const double share = std::clamp(c.distance[v] / range, -1.0, 1.0);
-    colours.push_back(c.isPrepared[v] == 0 ? other
-                                           : Vec3(right + std::abs(share) * ((share < 0.0 ? deep : high) - right)));
-  }
+  for (std::size_t v = 0; v < c.distance.size(); ++v)
+    colours.push_back(c.isPrepared[v] == 0 ? viewer::rgbOf(viewer::kMuted) : viewer::cutColour(c.distance[v] / range));
   return colours;
 }
 

@@ -43,6 +43,10 @@ void runViewer(int argc, char** argv) {
   for (CLI::Option* const option : live) play->excludes(option);
   CLI::Option* const headless =
       app.add_flag("--headless", options.headless, "run the script on simulated time, without a display");
+  app.add_option(
+      "--target", options.target,
+      "closed mesh (mm) in the frame of the first solid: its colours show where it is cut too deep (blue) or "
+      "must still be cut (red)");
   app.add_option("--script", options.script, "script: file of steps with times");
   app.add_option("--record", options.record, "folder for pictures (created if missing)");
   app.add_option(

@@ -14,6 +14,7 @@ struct Options {
   std::string play;                           ///< recording; if empty, the following apply:
   std::string scene, device;                  ///< device: file, or URL of a connected device
   std::string renderer = "position-control";  ///< of a connected device, as in SessionDef
+  std::string target;                         ///< file: how the first solid should be cut; may be empty
   std::string gain;                           ///< file; empty: see loadServoedDevice()
   RendererSlot begin = RendererSlot::positionControl;
   std::shared_ptr<const PluginLibrary> plugin;  ///< may be nullptr

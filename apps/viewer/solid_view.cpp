@@ -92,7 +92,7 @@ void SolidView::build(Group& group) {
   Polygons polygons(static_cast<vtkIdType>(surface_.mesh.vertices.size()));
   for (std::size_t i = 0; i < surface_.mesh.vertices.size(); ++i) {
     polygons.append(pose_.position + pose_.rotation * surface_.mesh.vertices[i], pose_.rotation * surface_.normals[i]);
-    polygons.paint(colours_[static_cast<std::size_t>(surface_.layers[i])]);
+    polygons.paint(colourAt(surface_.mesh.vertices[i], surface_.layers[i]));
   }
   vtkNew<vtkTypeInt32Array> corners;
   corners->SetNumberOfValues(3 * static_cast<vtkIdType>(surface_.mesh.triangles.size()));
@@ -101,6 +101,15 @@ void SolidView::build(Group& group) {
   polygons.cells()->SetData(3, corners);
   group.actor = polygons.addTo(renderer_, kFinish, false);
   if (plane_) group.actor->GetMapper()->AddClippingPlane(clip_);
+}
+
+// Return the colour of a vertex in the solid's frame: of its layer, or of its distance from the target, where the
+// surface is prepared or should be.
+Vec3 SolidView::colourAt(const Vec3& p, int layer) {
+  if (!solid_.target) return colours_[static_cast<std::size_t>(layer)];
+  const double cell = solid_.uncut->cell(), distance = signedDistance(*solid_.target, p, &nearest_).distance;
+  const bool isPrepared = std::abs(distance) > cell || std::abs(signedDistance(*solid_.uncut, p).distance) > cell;
+  return isPrepared ? cutColour(distance / kCutRange) : rgbOf(kMuted);
 }
 
 float SolidView::at(const Vec3& p) const {

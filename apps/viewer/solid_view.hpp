@@ -20,7 +20,8 @@ namespace enamel::viewer {
 /// The drawing thread's copy of a solid; the haptic thread cuts the original.
 struct SolidCopy {
   std::shared_ptr<const Solid> uncut;
-  std::vector<BrickSamples> samples;  ///< present samples by brick
+  std::vector<BrickSamples> samples;        ///< present samples by brick
+  std::shared_ptr<const MeshModel> target;  ///< in its frame: colours show the distance from it; null: the layers
 };
 SolidCopy copyOf(const Solid& solid);
 
@@ -53,6 +54,7 @@ class SolidView {
 
   Group& groupOf(int brick) { return groups_[static_cast<std::size_t>(groupOf_[static_cast<std::size_t>(brick)])]; }
   float at(const Vec3& p) const;  // value of the field, cells
+  Vec3 colourAt(const Vec3& p, int layer);
   void build(Group& group);
   void buildSection();
 
@@ -65,6 +67,7 @@ class SolidView {
   std::vector<Group> groups_;
   std::vector<int> groupOf_;  // by brick
   SolidSurface surface_;
+  ProximityCache nearest_;  // of the target
   vtkNew<vtkPlane> clip_;
   bool isSectionChanged_ = true;
   std::vector<vtkSmartPointer<vtkActor>> section_;

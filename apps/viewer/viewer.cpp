@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "enamel/collision/mesh_file.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/sim/plant_maker.hpp"
@@ -58,10 +59,16 @@ ServoedDevice deviceOf(const Player* player, const LiveDevice* live, const Optio
   return device;
 }
 
-// Copy the solids before any cut.
-std::vector<SolidCopy> copiesOf(const SceneFile& scene) {
+// Copy the solids before any cut. The first one may have a target.
+std::vector<SolidCopy> copiesOf(const SceneFile& scene, const std::string& target) {
   std::vector<SolidCopy> copies;
   for (const auto& solid : scene.solids) copies.push_back(solid ? copyOf(*solid) : SolidCopy());
+  if (target.empty()) return copies;
+  const auto first = std::find_if(copies.begin(), copies.end(), [](const SolidCopy& copy) { return copy.uncut; });
+  if (first == copies.end()) throw Error("--target " + target + " needs a scene with a solid");
+  const TriangleMesh mesh = loadMesh(target, 1e-3);
+  if (!inspect(mesh).watertight) throw Error(target + ": the target of a preparation must be closed");
+  first->target = std::make_shared<MeshModel>(mesh);
   return copies;
 }
 
@@ -118,7 +125,7 @@ Viewer::Viewer(const Options& options, Surface& surface)
                      : parseScene(sceneText_, options.scene)),
       renderers_(options.begin),
       drilledSolids_(std::make_shared<DrilledSolids>(scene_)),
-      solids_(copiesOf(scene_)),
+      solids_(copiesOf(scene_, options.target)),
       runner_(player_ || live_ ? nullptr : firstRunner(device_, scene_, renderers_.selected, drilledSolids_)),
       canvas_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
       charts_(canvas_.charts(), existing(ENAMEL_VIEWER_FONT), torques_,
@@ -204,7 +211,7 @@ bool Viewer::loadScene(const std::string& path, const ScanPlacement& placement) 
     scenePath_ = path;
     overlay_.sceneNotes = scene_.notes;
     drilledSolids_ = std::make_shared<DrilledSolids>(scene_);
-    solids_ = copiesOf(scene_);
+    solids_ = copiesOf(scene_, "");
     plane_.reset();
     bur_.silence();
     for (const std::string& warning : scene_.notes) notify(warning);

@@ -161,6 +161,7 @@ namespace Enamel
         public uint size;
         public int count;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public EnamelToolPart[] parts;
+        public int head;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -527,6 +528,9 @@ namespace Enamel
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_set_guides(IntPtr session, EnamelGuide[] guides, UIntPtr guide_count);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        public static extern int enamel_named_tool([MarshalAs(UnmanagedType.LPUTF8Str)] string name, ref EnamelTool tool, EnamelMessage message);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int enamel_set_tool(IntPtr session, IntPtr tool, IntPtr bur);

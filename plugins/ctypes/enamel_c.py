@@ -303,6 +303,7 @@ class EnamelTool(Structure):
         ("size", c_uint32),
         ("count", c_int32),
         ("parts", (EnamelToolPart * 8)),
+        ("head", c_int32),
     ]
 
 
@@ -585,6 +586,7 @@ _FUNCTIONS = {
     "enamel_solid_save": (c_int32, [c_void_p, c_char_p, EnamelMessage]),
     "enamel_solid_compare": (c_int32, [c_void_p, POINTER(EnamelObstacleDef), POINTER(c_double), POINTER(EnamelCutComparison), EnamelMessage]),
     "enamel_set_guides": (c_int32, [c_void_p, POINTER(EnamelGuide), c_size_t]),
+    "enamel_named_tool": (c_int32, [c_char_p, POINTER(EnamelTool), EnamelMessage]),
     "enamel_set_tool": (c_int32, [c_void_p, POINTER(EnamelTool), POINTER(EnamelBur)]),
     "enamel_set_renderer": (c_int32, [c_void_p, c_char_p, POINTER(EnamelParameter), c_size_t]),
     "enamel_set_own_renderer": (c_int32, [c_void_p, POINTER(EnamelPlugin), POINTER(EnamelParameter), c_size_t]),

@@ -280,6 +280,7 @@ TEST_CASE("combinations: some that needed a repair", "[combinations]") {
   check({1, 1, 1, 1, 2, 0, 1, 1, 0});  // a new contact forgot how deep a layer was pressed
   check({0, 0, 0, 2, 0, 2, 2, 0, 0});  // a god object on the surface said where the ground of a broken layer was
   check({0, 1, 0, 1, 2, 0, 2, 2, 1});  // a loose tooth swung in the groove of the bur
+  check({1, 0, 2, 2, 0, 2, 2, 0, 2});  // a contact that vanished went on with the speed that a tap gave it
 }
 
 TEST_CASE("combinations: random ones", "[combinations]") {

@@ -452,7 +452,7 @@ TEST_CASE("compliance: a layer of a solid ends where the next one begins, also a
   CHECK(bench.haptics->frame().contacts.contacts[0].material.thickness == 2e-4);
 }
 
-TEST_CASE("compliance: a bur that starts in a pressed layer comes out of it without breaking it", "[compliance]") {
+TEST_CASE("compliance: a bur that starts in a pressed layer stays, and cuts what it has compressed", "[compliance]") {
   const auto solid = std::make_shared<Solid>(
       MeshModel(test::boxMesh({3e-3, 3e-3, 2e-3})),
       std::vector<SolidLayer>{{"caries", layer(4e3, 1.5, 1e-3, 3.0, 8.0), 5e8, 0.0, nullptr}}, SolidOptions{1e-4});
@@ -464,21 +464,31 @@ TEST_CASE("compliance: a bur that starts in a pressed layer comes out of it with
   REQUIRE(pressed > 3e-4);
   REQUIRE_FALSE(bench.haptics->frame().contacts.contacts[0].isPunctured);
   drill.spin(true);
-  double force = 0.0, removed = 0.0;
-  int compressed = 0;
-  for (int i = 0; i < 600; ++i) {
+  const double start = bench.tool().position.z();
+  double force = 0.0, sunk = pressed, most = 0.0, least = 0.0;  // m: highest and lowest place until it is free
+  double removed = 0.0, expected = 0.0;                         // m^3: by Archard's law
+  int free = 0;
+  for (; free < 5000 && sunk > 0.0; ++free) {
     REQUIRE(bench.press(4.0));
     const Contact& contact = bench.haptics->frame().contacts.contacts[0];
     REQUIRE_FALSE(contact.isPunctured);
-    if (contact.compression >= 0.0) compressed = i + 1;
+    CHECK(contact.sunk <= sunk);
+    sunk = contact.sunk;
+    expected += 1e-3 * drill.recession() * M_PI * 0.25e-6;
     removed += drill.removed()[0];
-    if (i >= 400) force += bench.force() / 200.0;
+    const double rise = bench.tool().position.z() - start;
+    most = std::max(most, rise);
+    least = std::min(least, rise);
+    force += bench.force();
   }
-  INFO("pressed by " << pressed << " m; compressed for " << compressed << " ticks");
-  CHECK(compressed > 0);
-  CHECK(compressed < 50);
-  CHECK(removed > 0.0);
-  CHECK(force == Approx(4.0).epsilon(0.05));
+  INFO("pressed by " << pressed << " m, free after " << free << " ticks, moved by " << least << " to " << most << " m");
+  CHECK(free < 5000);
+  CHECK(removed == Approx(expected).epsilon(0.05));
+  CHECK(most < 0.01 * pressed);
+  CHECK(least > -0.05 * pressed);
+  CHECK(force / free == Approx(4.0).epsilon(0.05));
+  for (int i = 0; i < 500; ++i) REQUIRE(bench.press(4.0));
+  CHECK(bench.tool().position.z() < start - 1e-5);  // then it sinks as it cuts
 }
 
 TEST_CASE("compliance: in a broken layer the ground is one thickness below the nearest surface", "[compliance]") {
@@ -502,7 +512,7 @@ TEST_CASE("compliance: in a broken layer the ground is one thickness below the n
   for (int i = 0; i < 3000; ++i, time += kTick) {
     height = std::max(height - kStep, 3e-3 - random.uniform(0.5, 0.9) * kThick);
     pose.position = {1e-3 * std::sin(1e-2 * i), 1e-3 * std::cos(1.7e-2 * i), height};
-    REQUIRE(ticked.findContacts(pose, time, kTick, -1, 0.0, contacts) == Status::ok);
+    REQUIRE(ticked.findContacts(pose, time, kTick, {}, 0.0, contacts) == Status::ok);
     TickOutput output;
     output.normalForce = 2.0;  // more than the layer holds
     ticked.compliance().press(output, kTick, contacts);

@@ -48,7 +48,7 @@ struct Cut {
 
 // A hand presses with 2 N on top of the tooth, which is tilted.
 Cut press(Renderer& renderer, const Mechanism& device, int delay, double tilt, const Bur& bur = kBur,
-          double dentine = 0.4e-3) {
+          double dentine = 0.4e-3, const Tool& tool = ball()) {
   const auto solid = tooth(dentine);
   LoopSetup setup;
   setup.scene = Scene();
@@ -57,8 +57,13 @@ Cut press(Renderer& renderer, const Mechanism& device, int delay, double tilt, c
   const Vec3 normal = pose.rotation.col(2);
   pose.position = -2e-3 * normal;
   setup.scene.add({"tooth", std::shared_ptr<const Solid>(solid), pose, Vec6::Zero(), {}});
-  setup.tool = ball();
-  setup.start.position = (kRadius + 0.05e-3) * normal;
+  setup.tool = tool;
+  double tip = 0.0, radius = 0.0;  // m: height of the TCP above it, largest of the head
+  for (std::size_t i = 0; i < static_cast<std::size_t>(tool.head); ++i) {
+    tip = std::max(tip, tool.parts[i].radius - tool.parts[i].a.z());
+    radius = std::max(radius, tool.parts[i].radius);
+  }
+  setup.start.position = (tip + 0.05e-3) * normal;
   setup.encoders = {true, RateSource::difference};
   setup.delay.low = setup.delay.high = delay;
   VirtualLoop loop(device, renderer, setup);
@@ -80,7 +85,7 @@ Cut press(Renderer& renderer, const Mechanism& device, int delay, double tilt, c
     REQUIRE(loop.tick(load, record) == Status::ok);
     REQUIRE(record.guard == GuardReason::none);
     const double before = depth;
-    depth = kRadius - normal.dot(record.pose.position);
+    depth = tip - normal.dot(record.pose.position);
     if (i == ticks / 2) atFirst = depth;
     const RemovedVolume& removed = drill.removed();
     const double volume = removed[0] + removed[1];
@@ -91,7 +96,7 @@ Cut press(Renderer& renderer, const Mechanism& device, int delay, double tilt, c
     cut.force += normal.dot(record.rendered.head<3>()) / (0.5 * ticks);
     cut.volume += volume;
     const double hardness = volume > 0.0 ? (removed[0] * kEnamel + removed[1] * kDentine) / volume : kEnamel;
-    cut.expected += bur.wear * 2.0 * 2.0 * M_PI * kRadius * bur.turns / hardness * 1e-3;
+    cut.expected += bur.wear * 2.0 * 2.0 * M_PI * radius * bur.turns / hardness * 1e-3;
     torques.push_back(record.torque);
   }
   cut.depth = depth - atFirst;
@@ -141,6 +146,21 @@ TEST_CASE("drill: the hand's force and no chatter at any feed", "[drill]") {
                     << " N, deviation of a torque " << cut.torque << " N m");
       CHECK(cut.force == Approx(2.0).epsilon(0.05));
       CHECK(cut.volume == Approx(cut.expected).epsilon(0.1));
+      CHECK(cut.torque < 0.05);
+    }
+}
+
+TEST_CASE("drill: a head of several parts cuts what one part would cut under the same force", "[drill]") {
+  const auto device = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
+  for (const char* name : {"cylinder-010-020", "flat-010-020", "cone-012-030-006", "flame-012-030"})
+    for (const int delay : {0, 1}) {
+      PositionControlRenderer servo(positionControlFor(*device, 1e-3, delay, delay));
+      const Cut cut = press(servo, *device, delay, 0.0, kBur, 5e-3, toolOf(name));
+      INFO(name << ", delay " << delay << ": " << cut.force << " N, deviation " << cut.torque << " N m, volume "
+                << 1e9 * cut.volume << " mm3 of " << 1e9 * cut.expected);
+      CHECK(cut.force == Approx(2.0).epsilon(0.05));
+      CHECK(cut.volume == Approx(cut.expected).epsilon(0.1));
+      CHECK(cut.depth > 0.1e-3);
       CHECK(cut.torque < 0.05);
     }
 }

@@ -416,6 +416,33 @@ TEST_CASE("a surface that is lowered is followed, one that vanishes has no force
   CHECK(output.mode == RenderMode::free);
 }
 
+TEST_CASE("a contact that vanishes does not follow the tool with its last velocity", "[position_control]") {
+  const auto device = tau();
+  for (const double speed : {0.05, 0.0, -0.05}) {  // of the surface towards the tool, m/s
+    PositionControlRenderer servo(optionsFor(*device, 0));
+    servo.activate(kPeriod);
+    TickFrame input;
+    input.kinematics = device->home();
+    input.maxTorque = device->limits().effort;
+    TickOutput output;
+    const auto step = [&](int contacts) {
+      input.time += kPeriod;
+      input.contacts.count = contacts;
+      input.contacts.contacts[0].gap = -3e-5;
+      input.contacts.contacts[0].obstacleVelocity = speed * input.contacts.contacts[0].normal;
+      REQUIRE(fillContactRows(input) == Status::ok);
+      REQUIRE(servo.step(input, output) == Status::ok);
+      return wrenchOf(input.kinematics, output.torque - input.kinematics.gravity)[2];
+    };
+    double force = 0.0;  // the tool does not move: a hand holds it
+    for (int i = 0; i < 50; ++i) force = step(1);
+    if (speed >= 0.0) REQUIRE(force > 1.0);
+    for (int i = 0; i < 400; ++i) force = step(0);
+    INFO("speed " << speed << " m/s");
+    CHECK(std::abs(force) < 1e-9);
+  }
+}
+
 TEST_CASE("a soft surface that vanishes while it is pressed does not push harder", "[position_control]") {
   const auto device = tau();
   PositionControlRenderer servo(optionsFor(*device, 0));

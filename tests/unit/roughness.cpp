@@ -228,7 +228,7 @@ TEST_CASE("a bur that spins feels no roughness", "[roughness]") {
   const Scene scene = flatWall();
   Kinematics at;
   at.jacobian = decltype(at.jacobian)::Zero(6, 1);
-  roughen(scene, tool, at, JointVector::Zero(1), kTick, 1, contacts);
+  roughen(scene, tool, at, JointVector::Zero(1), kTick, {1, 1}, contacts);
   const bool isFirst = contacts.contacts[0].part == 0;  // the deeper one is first
   const Contact& rest = contacts.contacts[isFirst ? 0 : 1];
   const Contact& bur = contacts.contacts[isFirst ? 1 : 0];

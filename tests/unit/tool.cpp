@@ -57,14 +57,78 @@ TEST_CASE("tools by name: the number of a bur is the diameter of its head", "[un
   CHECK(probe.parts[0].radius == 0.25e-3);
   CHECK(std::abs(lowOf(probe.parts[0])) < 1e-15);
   CHECK(highOf(probe.parts[1]) > 11.5e-3);  // its last mark
-  for (const char* name : {"cpi-probe", "explorer", "bur-245"}) CHECK(checkTool(toolOf(name)) == Status::ok);
+  for (const char* name : {"cpi-probe", "explorer", "bur-245", "flat-010-030", "cone-009-056-005", "flame-012-080"})
+    CHECK(checkTool(toolOf(name)) == Status::ok);
+}
+
+TEST_CASE("tools by name: heads of several capsules deviate from their shapes by what the page states", "[unit]") {
+  // Distance of a point at a radius and height from the head, in the plane of an angle, m; negative inside.
+  const auto distance = [](const Tool& tool, double angle, double radius, double z) {
+    const Vec3 p(radius * std::cos(angle), radius * std::sin(angle), z);
+    double least = 1.0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(tool.head); ++i) {
+      const ToolPart& part = tool.parts[i];
+      const Vec3 way = part.b - part.a;
+      const double share = std::clamp((p - part.a).dot(way) / std::max(way.squaredNorm(), 1e-30), 0.0, 1.0);
+      least = std::min(least, (p - part.a - share * way).norm() - part.radius);
+    }
+    return least;
+  };
+  constexpr int kSamples = 400;
+  for (const int size : {6, 10, 24}) {
+    const double radius = 0.5e-4 * size, length = 3.0 * 2.0 * radius;
+    const std::string sizes = "-" + digits(size) + "-" + digits(3 * size);
+    CAPTURE(size);
+    const Tool flat = toolOf("flat" + sizes);
+    double furthest = 0.0, inside = 0.0;
+    for (int k = 0; k <= kSamples; ++k)
+      for (int turn = 0; turn < 72; ++turn) {
+        const double angle = 2.0 * M_PI * turn / 72.0, share = static_cast<double>(k) / kSamples;
+        for (const double d : {distance(flat, angle, share * radius, 0.0),  // the flat end, then the side
+                               distance(flat, angle, radius, share * (length - radius))}) {
+          furthest = std::max(furthest, d);
+          inside = std::min(inside, d);
+        }
+      }
+    CHECK(furthest < 0.23 * radius);
+    CHECK(furthest > 0.22 * radius);  // the number of the page is not too large
+    CHECK(inside > -1e-12);          // nothing is outside the shape
+
+    // Balls on the axis. The distance of a ball's surface is at most half a step of the radius; between two balls of a
+    // capsule the surface is nearer.
+    for (const bool isArc : {false, true}) {
+      const double tip = isArc ? 0.25 * radius : 0.5e-4 * (size / 2), step = (radius - tip) / 6.0;
+      const Tool tool = toolOf((isArc ? "flame" : "cone") + sizes + (isArc ? "" : "-" + digits(size / 2)));
+      const double end = length - (isArc ? radius - step : radius);
+      const double widest = isArc ? tip + (end - tip) / (1.0 + std::sqrt(1.0 / 6.0)) : end;
+      REQUIRE(tool.head == 6);
+      CHECK(std::abs(lowOf(tool.parts[0])) < 1e-15);
+      CHECK(highOf(tool.parts[5]) == Approx(length));
+      double most = 0.0;
+      for (int k = 0; k <= kSamples; ++k) {
+        const double centre = tip + (end - tip) * k / kSamples, way = (widest - centre) / (widest - tip);
+        const double ball = radius - (radius - tip) * (isArc ? way * way : way);
+        double nearest = 1.0;  // to the radius of a capsule that has this centre on its axis
+        for (std::size_t i = 0; i < 6; ++i) {
+          const ToolPart& part = tool.parts[i];
+          const double beside = std::max({0.0, part.a.z() - centre, centre - part.b.z()});
+          nearest = std::min(nearest, beside + std::abs(part.radius - ball));
+        }
+        most = std::max(most, nearest);
+      }
+      CHECK(most <= 1.001 * step);
+      CHECK(most >= 0.499 * step);
+      CHECK(std::abs(distance(tool, 0.0, radius, widest)) < 0.51 * step);
+    }
+  }
 }
 
 TEST_CASE("tools by name: a tool touches a wall with its tip, and a second wall with its side", "[unit]") {
   Scene scene;
   scene.add(halfSpace("floor", Vec3::Zero(), Vec3::UnitZ()));
   scene.add(halfSpace("side", Vec3(3e-3, 0.0, 0.0), -Vec3::UnitX()));
-  for (const char* name : {"round-010", "cylinder-012-080", "bur-245", "cpi-probe", "explorer"}) {
+  for (const char* name : {"round-010", "cylinder-012-080", "flat-012-080", "cone-012-080-006", "flame-012-080",
+                           "bur-245", "cpi-probe", "explorer"}) {
     INFO(name);
     const Tool tool = toolOf(name);
     Pose pose;
@@ -92,11 +156,33 @@ TEST_CASE("tools by name: in a scene file, and names that are refused", "[unit]"
   CHECK(isSame(file.tool, toolOf("round-014")));
   REQUIRE(file.bur);
   CHECK(file.bur->part == 0);
+  CHECK(file.tool.head == 1);
+  CHECK(scene("\"cone-009-056-005\"").tool.head == 6);
   CHECK_THROWS_WITH(scene("\"round\""), test::ContainsSubstring("a.toml:3") && test::ContainsSubstring("tool") &&
                                             test::ContainsSubstring("\"round\" is not a tool"));
-  for (const char* name : {"", "round", "round-", "round-2", "round-002", "round-101", "round-0100", "round-01x",
-                           "Round-010", "round-010 ", "cylinder-010", "cylinder-010-009", "cylinder-010-201",
-                           "cylinder-010x030", "cylinder-010-30", "245", "probe"}) {
+  for (const char* name : {"",
+                           "round",
+                           "round-",
+                           "round-2",
+                           "round-002",
+                           "round-101",
+                           "round-0100",
+                           "round-01x",
+                           "Round-010",
+                           "round-010 ",
+                           "cylinder-010",
+                           "cylinder-010-009",
+                           "cylinder-010-201",
+                           "cylinder-010x030",
+                           "cylinder-010-30",
+                           "245",
+                           "probe",
+                           "flat-010",
+                           "cone-010-030",
+                           "cone-010-030-010",
+                           "cone-010-030-000",
+                           "flame-010-009",
+                           "flame-010-030-005"}) {
     INFO(name);
     CHECK_THROWS_WITH(toolOf(name), test::ContainsSubstring(std::string("\"") + name + "\" is not a tool"));
   }

@@ -716,6 +716,52 @@ TEST_CASE("two tools do not share a bur", "[viewer]") {
   CHECK(moved == 0);
 }
 
+TEST_CASE("a drilled tooth shows where it is deeper than its target, and where it is higher", "[viewer]") {
+  const test::TemporaryFolder folder;
+  const auto box = [&](const char* name, double top) {  // of 8 mm, from -4 mm to the top
+    std::string text;
+    for (int i = 0; i < 8; ++i)
+      text += "v " + std::to_string(i & 1 ? 4 : -4) + " " + std::to_string(i & 2 ? 4 : -4) + " " +
+              std::to_string(i & 4 ? top : -4.0) + "\n";
+    test::writeFile(folder / name, text +
+                                       "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\n"
+                                       "f 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n");
+  };
+  box("block.obj", 0.0);
+  box("high.obj", 0.0);
+  box("low.obj", -1.0);
+  test::writeFile(folder / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  test::writeFile(folder / "block.toml",
+                  "name = \"block\"\nstart = [0, 0, 0.002]\n[[tool]]\nfrom = [0, 0, 0.001]\nradius = 0.001\n"
+                  "[bur]\nwear = 2.0\n[[obstacle]]\nname = \"block\"\nshape = \"solid\"\nfile = \"block.obj\"\n"
+                  "unit = \"mm\"\ncell = 0.0002\n[[obstacle.layer]]\nname = \"enamel\"\nhardness = 3.4e9\n");
+  test::writeFile(folder / "script.txt",
+                  "0 panels\n0 charts\n0 view 0 0 0 20 -40 40\n0.1 picture before\n0.2 spin on\n0.2 hand 0 0 -12 over "
+                  "0.3\n1.6 spin off\n1.6 hand 0 0 9 over 0.2\n2.1 picture after\n2.1 end\n");
+  const auto run = [&](const std::string& target) {
+    return test::viewer("'" + folder / "block.toml' --headless --size 640x360 --script '" +
+                        folder / "script.txt' --record '" + folder / target + "' --target '" + folder / target +
+                        ".obj'");
+  };
+  const auto count = [&](const std::string& picture, unsigned colour) {
+    return patchOf(Pixels(folder / (picture + ".png")), colour, {160, 60}, {480, 340}, 0.04).count;
+  };
+  for (const char* target : {"high", "low"}) {
+    const auto result = run(target);
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+  }
+  INFO(count("high/after", kBlue) << " " << count("low/before", kVermilion));
+  CHECK(count("high/before", kBlue) < 20);
+  CHECK(count("high/after", kBlue) > 100);
+  CHECK(count("high/after", kVermilion) < 20);
+  CHECK(count("low/before", kVermilion) > 1000);
+  CHECK(count("low/before", kBlue) < 20);
+  const auto open = run("open");
+  CHECK(open.status != 0);
+  CHECK_THAT(open.output, test::ContainsSubstring("must be closed"));
+}
+
 TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other scenes have no bur", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "tooth.toml",

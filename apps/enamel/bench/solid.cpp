@@ -84,11 +84,10 @@ void measureQueries(const MeshModel& mesh, const std::shared_ptr<Solid>& solid, 
 }
 
 // Measure a ball that is pressed with 2 N and moves to random goals; contacts push it out of the solid.
-void measureCutting(const std::shared_ptr<Solid>& solid, const Bur& bur, const std::string& what, int calls,
-                    std::vector<Measurement>& rows) {
+void measureCutting(const std::shared_ptr<Solid>& solid, const Tool& tool, const Bur& bur, const std::string& what,
+                    int calls, std::vector<Measurement>& rows) {
   Scene scene;
   scene.add({"molar", std::shared_ptr<const Solid>(solid), Pose(), Vec6::Zero(), {}});
-  const Tool tool = ball();
   ToolTrack track = makeToolTrack(scene, tool);
   Drill drill(tool, {solid}, bur);
   drill.spin(true);
@@ -143,15 +142,19 @@ std::vector<Measurement> measureSolid(double scale) {
       SolidOptions{kCell});
   const int calls = std::max(2000, static_cast<int>(20000 * scale));
   measureQueries(mesh, solid, calls, rows);
-  measureCutting(std::make_shared<Solid>(*solid), {0, 0.5, 2000.0}, "ball", calls, rows);
+  measureCutting(std::make_shared<Solid>(*solid), ball(), {0, 0.5, 2000.0}, "ball", calls, rows);
   const double constant_us = rows[rows.size() - 2].median_us;
   Bur slow{0, 15.0, 67.0};  // it removes as much
   slow.torque = 1.0;
   slow.runOut = 5e-6;
   slow.blades = 1;
-  measureCutting(std::make_shared<Solid>(*solid), slow, "ball that slows down and vibrates", calls, rows);
+  measureCutting(std::make_shared<Solid>(*solid), ball(), slow, "ball that slows down and vibrates", calls, rows);
   rows.pop_back();
   rows.back().reference_us = constant_us;
+  measureCutting(std::make_shared<Solid>(*solid), toolOf("flame-010-040"), {0, 0.5, 2000.0}, "flame", calls, rows);
+  rows.pop_back();
+  rows.back().reference_us = constant_us;
+  rows.back().goal_us = kNoGoal;
   return rows;
 }
 

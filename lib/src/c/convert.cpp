@@ -53,6 +53,7 @@ Tool toolOf(const EnamelTool& given) {
   for (int i = 0; i < in.count; ++i)
     tool.parts[static_cast<std::size_t>(i)] = {Eigen::Map<const Vec3>(in.parts[i].a),
                                                Eigen::Map<const Vec3>(in.parts[i].b), in.parts[i].radius};
+  if (in.head != 0) tool.head = in.head;
   return tool;
 }
 

@@ -323,6 +323,23 @@ std::int32_t enamel_set_guides(EnamelSession* session, const EnamelGuide* guides
                  [&](Session& s) { s.setGuides(c::guidesOf(guides, guide_count)); });
 }
 
+std::int32_t enamel_named_tool(const char* name, EnamelTool* tool, EnamelMessage message) {
+  if (name == nullptr || tool == nullptr) return ENAMEL_NULL;
+  return c::attempt(message, [&] {
+    const Tool found = toolOf(std::string(name));
+    *tool = EnamelTool{};
+    tool->size = sizeof *tool;
+    tool->count = found.count;
+    tool->head = found.head;
+    for (int i = 0; i < found.count; ++i) {
+      const ToolPart& part = found.parts[static_cast<std::size_t>(i)];
+      Eigen::Map<Vec3>(tool->parts[i].a) = part.a;
+      Eigen::Map<Vec3>(tool->parts[i].b) = part.b;
+      tool->parts[i].radius = part.radius;
+    }
+  });
+}
+
 std::int32_t enamel_set_tool(EnamelSession* session, const EnamelTool* tool, const EnamelBur* bur) {
   return runWith(session, tool != nullptr, [&](Session& s) {
     std::optional<Bur> cutting;

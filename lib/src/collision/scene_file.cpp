@@ -386,7 +386,7 @@ std::optional<Bur> readBur(TomlTable& root, const Tool& tool) {
       table.fail(key, "is " + formatNumber(value) + ", must be in " + formatNumber(low) + " to " + formatNumber(high));
   };
   double part = 0.0;
-  read("part", 0.0, tool.count - 1.0, part);
+  read("part", 0.0, tool.count - tool.head, part);
   bur.part = static_cast<int>(part);
   if (bur.part != part) table.fail("part", "is " + formatNumber(part) + ", must be a whole number");
   for (const BurNumber& number : kBurNumbers) read(number.key, number.low, number.high, bur.*number.value);

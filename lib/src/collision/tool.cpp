@@ -1,67 +1,125 @@
 #include "enamel/collision/tool.hpp"
 
 #include <algorithm>
-#include <initializer_list>
+#include <cmath>
+#include <string_view>
+#include <vector>
 
 #include "enamel/core/error.hpp"
 
 namespace enamel {
 namespace {
 
-constexpr int kSmallestHead = 3, kLargestHead = 100, kLongestHead = 200;  // 0.1 mm
-constexpr double kShank = 0.8e-3, kShankLength = 4e-3;                    // radius of a friction grip shank, m
-constexpr double kNeckShare = 0.6, kNeckLength = 3e-3;                    // of the head's radius
+constexpr double kSmallestHead = 0.3e-3, kLargestHead = 10e-3, kLongestHead = 20e-3;  // m
+constexpr double kShank = 0.8e-3, kShankLength = 4e-3;  // radius of a friction grip shank, m
+constexpr double kNeckShare = 0.6, kNeckLength = 3e-3;  // of the head's radius
+
+constexpr double kFlameTip = 0.25;  // of the head's radius
+constexpr int kSteps = 6;           // capsules of a head that is not a cylinder
 
 // A capsule along z from its lowest to its highest point.
 struct Piece {
   double low, high, radius;
 };
 
-Tool along(std::initializer_list<Piece> pieces) {
+void add(Tool& tool, const Piece& piece) {
+  tool.parts[static_cast<std::size_t>(tool.count++)] = {Vec3(0.0, 0.0, piece.low + piece.radius),
+                                                        Vec3(0.0, 0.0, piece.high - piece.radius), piece.radius};
+}
+
+Tool along(const std::vector<Piece>& pieces) {
   Tool tool;
   tool.count = 0;
-  for (const Piece& piece : pieces)
-    tool.parts[static_cast<std::size_t>(tool.count++)] = {Vec3(0.0, 0.0, piece.low + piece.radius),
-                                                          Vec3(0.0, 0.0, piece.high - piece.radius), piece.radius};
+  for (const Piece& piece : pieces) add(tool, piece);
   return tool;
 }
 
-// The neck begins inside the head. The round end of the shank may reach into the neck.
-Tool bur(int size, int length) {
-  const double radius = 0.5e-4 * size, top = 1e-4 * length, neck = std::min(kNeckShare * radius, kShank);
-  const double shank = top + kNeckLength;
-  return along(
-      {{0.0, top, radius}, {top - radius - neck, shank + kShank, neck}, {shank, shank + kShankLength, kShank}});
+// Add neck and shank to a head. The neck begins inside the head, whose upper end is a ball of a radius. The round end
+// of the shank may reach into the neck.
+Tool onShank(Tool head, double top, double upper, double radius) {
+  const double neck = std::min({kNeckShare * radius, upper, kShank}), shank = top + kNeckLength;
+  head.head = head.count;
+  add(head, {top - upper - neck, shank + kShank, neck});
+  add(head, {shank, shank + kShankLength, kShank});
+  return head;
 }
 
-// Three digits of a name; -1: other characters are there.
-int numberAt(const std::string& name, std::size_t at) {
-  int number = 0;
-  for (std::size_t i = at; i < at + 3; ++i) {
-    if (i >= name.size() || name[i] < '0' || name[i] > '9') return -1;
-    number = 10 * number + name[i] - '0';
+// A cylinder with round ends.
+Tool cylinder(double diameter, double length) {
+  return onShank(along({{0.0, length, 0.5 * diameter}}), length, 0.5 * diameter, 0.5 * diameter);
+}
+
+// A cylinder with a flat end: a ring of five thin capsules fills most of what its round end lacks.
+Tool flat(double diameter, double length) {
+  constexpr int kSides = kSteps - 1;
+  constexpr double kThick = 0.3;
+  const double radius = 0.5 * diameter, thick = kThick * radius;
+  Tool head = along({{0.0, length, radius}});
+  const auto corner = [&](int i) {
+    const double angle = 2.0 * M_PI * i / kSides;
+    return Vec3((radius - thick) * std::cos(angle), (radius - thick) * std::sin(angle), thick);
+  };
+  for (int i = 0; i < kSides; ++i)
+    head.parts[static_cast<std::size_t>(head.count++)] = {corner(i), corner((i + 1) % kSides), thick};
+  return onShank(head, length, radius, radius);
+}
+
+// Balls with their centres on the axis, whose radius grows from the tip on: in proportion to the way, or along an arc
+// that passes its widest place. Each capsule has the mean radius of its balls, and steps are equal.
+Tool grown(double tip, double radius, double length, bool isArc) {
+  const double step = (radius - tip) / kSteps, upper = isArc ? radius - step : radius, end = length - upper;
+  const double widest = tip + (end - tip) / (isArc ? 1.0 + std::sqrt(1.0 / kSteps) : 1.0);
+  const auto centre = [&](int steps) {  // of the ball that has grown by so many steps
+    const double share = static_cast<double>(steps) / kSteps;
+    return tip + (widest - tip) * (isArc ? 1.0 - std::sqrt(1.0 - share) : share);
+  };
+  std::vector<Piece> pieces;
+  for (int i = 0; i < kSteps; ++i) {
+    const double mean = tip + (i + 0.5) * step;
+    pieces.push_back({centre(i) - mean, centre(i + 1) + mean, mean});
   }
-  return number;
+  pieces.front().low = 0.0;
+  pieces.back().high = length;
+  return onShank(along(pieces), length, pieces.back().radius, radius);
+}
+
+// The numbers after "-" in a name that begins with a shape, three digits each, in m; empty: it does not.
+std::vector<double> sizesOf(std::string_view name, std::string_view shape) {
+  constexpr double kUnit = 1e-4;
+  std::vector<double> sizes;
+  if (name.substr(0, shape.size()) != shape) return {};
+  for (name.remove_prefix(shape.size()); !name.empty(); name.remove_prefix(4)) {
+    const auto isDigit = [&](std::size_t at) { return name[at] >= '0' && name[at] <= '9'; };
+    if (name.size() < 4 || name[0] != '-' || !isDigit(1) || !isDigit(2) || !isDigit(3)) return {};
+    sizes.push_back(kUnit * (100 * (name[1] - '0') + 10 * (name[2] - '0') + name[3] - '0'));
+  }
+  return sizes;
+}
+
+// Whether a name has so many numbers, with a diameter, a length and a diameter of the tip within their limits.
+bool isBur(const std::vector<double>& sizes, std::size_t count) {
+  constexpr double kRounding = 1e-9;  // m
+  return sizes.size() == count && sizes[0] > kSmallestHead - kRounding && sizes[0] < kLargestHead + kRounding &&
+         (count < 2 || (sizes[1] > sizes[0] - kRounding && sizes[1] < kLongestHead + kRounding)) &&
+         (count < 3 || (sizes[2] > 0.0 && sizes[2] < sizes[0] - kRounding));
 }
 
 }  // namespace
 
 Tool toolOf(const std::string& name) {
-  const std::string round = "round-", cylinder = "cylinder-";
   if (name == "cpi-probe") return along({{0.0, 0.5e-3, 0.25e-3}, {0.1e-3, 12e-3, 0.2e-3}});
   if (name == "explorer") return along({{0.0, 1.5e-3, 0.1e-3}, {0.5e-3, 4e-3, 0.2e-3}, {2e-3, 10e-3, 0.35e-3}});
-  if (name == "bur-245") return bur(8, 30);
-  if (name.rfind(round, 0) == 0 && name.size() == round.size() + 3)
-    if (const int size = numberAt(name, round.size()); size >= kSmallestHead && size <= kLargestHead)
-      return bur(size, size);
-  if (name.rfind(cylinder, 0) == 0 && name.size() == cylinder.size() + 7 && name[cylinder.size() + 3] == '-') {
-    const int size = numberAt(name, cylinder.size()), length = numberAt(name, cylinder.size() + 4);
-    if (size >= kSmallestHead && size <= kLargestHead && length >= size && length <= kLongestHead)
-      return bur(size, length);
-  }
-  throw Error("\"" + name +
-              "\" is not a tool: it must be \"round-D\", \"cylinder-D-L\", \"bur-245\", \"cpi-probe\" or \"explorer\", "
-              "with a diameter D of 003 to 100 and a length L of D to 200, three digits each, in 0.1 mm");
+  if (name == "bur-245") return cylinder(0.8e-3, 3e-3);
+  if (const auto d = sizesOf(name, "round"); isBur(d, 1)) return cylinder(d[0], d[0]);
+  if (const auto d = sizesOf(name, "cylinder"); isBur(d, 2)) return cylinder(d[0], d[1]);
+  if (const auto d = sizesOf(name, "flat"); isBur(d, 2)) return flat(d[0], d[1]);
+  if (const auto d = sizesOf(name, "cone"); isBur(d, 3)) return grown(0.5 * d[2], 0.5 * d[0], d[1], false);
+  if (const auto d = sizesOf(name, "flame"); isBur(d, 2)) return grown(0.5 * kFlameTip * d[0], 0.5 * d[0], d[1], true);
+  throw Error(
+      "\"" + name +
+      "\" is not a tool: it must be \"round-D\", \"cylinder-D-L\", \"flat-D-L\", \"cone-D-L-T\", "
+      "\"flame-D-L\", \"bur-245\", \"cpi-probe\" or \"explorer\", with a diameter D of 003 to 100, a length L of "
+      "D to 200 and a diameter T of the tip below D, three digits each, in 0.1 mm");
 }
 
 }  // namespace enamel

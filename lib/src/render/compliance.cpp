@@ -52,6 +52,16 @@ double contactsAt(const Contact& c, double reach, const ContactSnapshot& contact
   return sum;
 }
 
+// Return how deep a bur is in the obstacle of a contact, m.
+double depthOf(const Contact& c, const PartRange& bur, const ContactSnapshot& contacts) noexcept {
+  double depth = 0.0;
+  for (int i = 0; i < contacts.count; ++i) {
+    const Contact& other = contacts.contacts[static_cast<std::size_t>(i)];
+    if (other.obstacle == c.obstacle && bur.has(other.part) && !other.isPunctured) depth = std::max(depth, -other.gap);
+  }
+  return depth;
+}
+
 }  // namespace
 
 MaterialForce forceOf(const Material& m, double x, double before, double period) noexcept {
@@ -105,7 +115,7 @@ void ComplianceMemory::letIn(const Tool& tool, ToolTrack& track) const noexcept 
     if (last.isPunctured != 0.0) track.letIn(tool, static_cast<int>(last.obstacle), static_cast<int>(last.part));
 }
 
-void ComplianceMemory::enter(const Scene& scene, const Tool& tool, int bur, double cut,
+void ComplianceMemory::enter(const Scene& scene, const Tool& tool, const PartRange& bur, double cut,
                              ContactSnapshot& contacts) noexcept {
   if (!isAny_) return;
   std::array<double, kMaxContacts> sharing;
@@ -117,27 +127,27 @@ void ComplianceMemory::enter(const Scene& scene, const Tool& tool, int bur, doub
   bool isMoved = false;
   for (int i = 0; i < contacts.count; ++i) {
     Contact& c = contacts.contacts[static_cast<std::size_t>(i)];
-    c.grip = 0.0;
+    c.grip = c.sunk = 0.0;
     if (!c.material.isLayer()) continue;
     c.material.stiffness /= sharing[static_cast<std::size_t>(i)];
     const Obstacle& obstacle = scene.obstacles()[static_cast<std::size_t>(c.obstacle)];
     const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape);
     if (solid != nullptr) c.material.thickness = std::min(c.material.thickness, thicknessAt(obstacle, **solid, c));
     c.compression = kNotCompressed;
-    double deepest = 0.0;  // compression of the part
+    double deepest = 0.0;  // compression of the part, or of the whole bur
+    const bool spins = solid != nullptr && bur.has(c.part);
     for (const Pressed& last : last_) {
-      if (last.obstacle != c.obstacle || last.part != c.part) continue;
+      if (last.obstacle != c.obstacle) continue;
+      if (spins && bur.has(static_cast<int>(last.part))) deepest = std::max(deepest, last.compression);
+      if (last.part != c.part) continue;
       c.isPunctured = c.isPunctured || (c.gap < 0.0 && last.isPunctured != 0.0 && std::isfinite(c.material.puncture));
       if (last.key == c.key) c.compression = last.compression;
       deepest = std::max(deepest, last.compression);
     }
     if (c.compression == kNotCompressed && deepest > 0.0) c.compression = deepest;  // a new place of a pressed layer
     if (!c.isPunctured) {
-      if (solid == nullptr || c.part != bur) continue;
-      const double left = deepest - cut;
-      c.material.thickness = std::min(c.material.thickness, left);
-      c.material.puncture = std::numeric_limits<double>::infinity();
-      if (left > 0.0) continue;
+      if (!spins) continue;
+      c.sunk = std::clamp(depthOf(c, bur, contacts), 0.0, std::max(0.0, deepest - cut));
     } else {
       isMoved = true;
       c.grip = gripOf(c.material, tool.parts[static_cast<std::size_t>(c.part)].radius, -c.gap);
@@ -156,7 +166,7 @@ void ComplianceMemory::enter(const Scene& scene, const Tool& tool, int bur, doub
   for (int i = 0; i < contacts.count; ++i) {
     const Contact& c = contacts.contacts[static_cast<std::size_t>(i)];
     last_[static_cast<std::size_t>(i)] = {static_cast<double>(c.obstacle), static_cast<double>(c.part),
-                                          static_cast<double>(c.key), std::max(0.0, c.compression),
+                                          static_cast<double>(c.key), std::max(c.sunk, c.compression),
                                           c.isPunctured ? 1.0 : 0.0};
   }
 }

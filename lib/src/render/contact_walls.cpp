@@ -125,7 +125,8 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
     if (w.movable >= 0.0 &&
         std::any_of(walls, walls + frame.contacts.count, [&](const Wall& other) { return other.movable == w.movable; }))
       continue;
-    w.speed = w.after = std::min(w.speed, w.rest);  // a movable obstacle is unknown from now on: it only recedes
+    w.speed = w.rest = w.after =
+        std::min({0.0, w.speed, w.rest});  // the obstacle is unknown from now on: it only recedes
     const Lane row = modes.toModes(w.row);
     const double soft = complianceOf(modes, row) + w.softness;
     double rate = 0.0, wouldBe = w.gap;

@@ -63,10 +63,10 @@ bool isRough(const Scene& scene) noexcept {
 }
 
 void roughen(const Scene& scene, const Tool& tool, const Kinematics& kinematics, const JointVector& encoderStep,
-             double period, int smooth, ContactSnapshot& contacts) noexcept {
+             double period, const PartRange& smooth, ContactSnapshot& contacts) noexcept {
   for (int i = 0; i < contacts.count; ++i) {
     Contact& contact = contacts.contacts[static_cast<std::size_t>(i)];
-    if (!(contact.material.roughness > 0.0) || contact.part == smooth) continue;
+    if (!(contact.material.roughness > 0.0) || smooth.has(contact.part)) continue;
     const Vec3 n = contact.normal, arm = contact.point - kinematics.pose.position;
     const auto along = [&n](const Vec3& v) { return Vec3(v - n.dot(v) * n); };
     double passed = period * along(contactVelocity(kinematics, contact)).norm();

@@ -192,7 +192,7 @@ void HapticTick::react() noexcept {
   if (drill_ == nullptr || frame_.age > 0) return;
   for (int i = 0; i < frame_.contacts.count; ++i) {
     const Contact& contact = frame_.contacts.contacts[static_cast<std::size_t>(i)];
-    if (contact.part != drill_->part() || contact.obstacle != drill_->obstacle()) continue;
+    if (!drill_->parts().has(contact.part) || contact.obstacle != drill_->obstacle()) continue;
     return motion.hold(contact.obstacle, contact.point, contact.normal, drill_->hold(), guard_.options().period);
   }
 }

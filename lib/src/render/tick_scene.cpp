@@ -29,7 +29,7 @@ TickScene::TickScene(const Scene& scene, const Tool& tool)
       hasTaps_(enamel::hasTaps(scene)),
       isRough_(enamel::isRough(scene)) {}
 
-Status TickScene::findContacts(const Pose& pose, double time, double elapsed, int bur, double recession,
+Status TickScene::findContacts(const Pose& pose, double time, double elapsed, const PartRange& bur, double recession,
                                ContactSnapshot& contacts) noexcept {
   const Scene& now = motion_.follow(*stated_, time, elapsed);
   compliance_.letIn(tool_, track_);

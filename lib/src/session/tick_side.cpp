@@ -224,12 +224,17 @@ void Session::Impl::watchCuts(const LoopTick& tick) noexcept {
   for (std::size_t i = 0; i < world->solids.size(); ++i)
     if (world->solids[i]) (void)world->changes[i]->sent.publish(*world->solids[i]);
   if (!world->drill) return;
-  if (const SolidCut& cut = world->drill->lastCut(); cut.obstacle >= 0 && tick.measurement.age == 0) {
+  bool cuts = false;
+  for (const SolidCut& cut : world->drill->lastCuts()) {
+    if (cut.obstacle < 0 || tick.measurement.age > 0) continue;
+    cuts = true;
     const auto slot = static_cast<std::size_t>(cut.obstacle);
     if (recording == nullptr) stray();  // a replay cuts whole solids
     cutObstacle = {cut.obstacle, world->generation[slot]};
     for (const auto& outbox : outboxes)
       if (outbox && !outbox->ring.push({world->revision[slot], cut})) ++lostCuts;
+  }
+  if (cuts) {
     const RemovedVolume& volume = world->drill->removed();
     for (std::size_t i = 0; i < removed.size(); ++i) {
       removed[i] += volume[i];

@@ -104,11 +104,12 @@ typedef struct EnamelTool {
   uint32_t size;
   int32_t count; /* 0 to ENAMEL_MAX_TOOL_PARTS */
   EnamelToolPart parts[ENAMEL_MAX_TOOL_PARTS];
+  int32_t head; /* number of parts, from EnamelBur.part on, that spin together as a bur; 0: 1 */
 } EnamelTool;
 
 typedef struct EnamelBur {
   uint32_t size;
-  int32_t part;   /* of the tool */
+  int32_t part;   /* of the tool: the first one of the head */
   double wear;    /* Archard's coefficient */
   double turns;   /* per second, without a load */
   double torque;  /* of the motor at rest, N m: it falls linearly to 0 at `turns`; 0: the speed is constant */
@@ -437,6 +438,9 @@ ENAMEL_API int32_t enamel_solid_compare(EnamelSolid* solid, const EnamelObstacle
 
 /* Set all guides. They replace the ones before, and ramp in. NULL and 0: none. Any. */
 ENAMEL_API int32_t enamel_set_guides(EnamelSession* session, const EnamelGuide* guides, size_t guide_count);
+
+/* A dental tool by its name, for example "flame-012-080" (lib/docs/preparation.md). Any. */
+ENAMEL_API int32_t enamel_named_tool(const char* name, EnamelTool* tool, EnamelMessage message);
 
 /* Tool, renderer, control. Any. */
 ENAMEL_API int32_t enamel_set_tool(EnamelSession* session, const EnamelTool* tool, const EnamelBur* bur);

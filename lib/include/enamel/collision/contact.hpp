@@ -21,6 +21,7 @@ struct Contact {
   Material material;                     ///< material of the obstacle, or of the layer of a solid
   double compression = -1.0;             ///< of a compliant layer at the last tick, m; below 0: no layer
   bool isPunctured = false;              ///< the layer is broken: gap and material are those of the ground below
+  double sunk = 0.0;                     ///< so deep is a bur that has not yet cut what it had compressed, m
   double grip = 0.0;                     ///< of the hole in a broken layer: normal force of its walls on the tool, N
   int part = -1;                         ///< number of the tool's part; -1: no contact
   int triangle = -1;                     ///< triangle of the obstacle's mesh; -1: no mesh

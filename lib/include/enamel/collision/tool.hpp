@@ -22,11 +22,18 @@ inline constexpr int kMaxToolParts = 8;
 struct Tool {
   std::array<ToolPart, kMaxToolParts> parts{};
   int count = 1;
+  int head = 1;  ///< number of parts, from Bur::part on, that spin together as a bur
 };
 
-/// The part of a tool that spins and cuts: a ball, or a cylinder with round ends.
+/// Parts of a tool with successive numbers. Default: none.
+struct PartRange {
+  int first = -1, count = 0;
+  bool has(int part) const noexcept { return part >= first && part < first + count; }
+};
+
+/// The head of a tool, which spins and cuts: Tool::head parts.
 struct Bur {
-  int part = 0;         ///< number of the tool's part
+  int part = 0;         ///< number of its first part
   double wear = 0.05;   ///< Archard's coefficient; finer grit has smaller values
   double turns = 2000;  ///< turns per second while it spins without a load
   /// Torque of the motor at rest, N m. It falls linearly to 0 at `turns`. Infinite: the speed does not change.
@@ -41,10 +48,14 @@ struct Bur {
 /// millimetres, and such a tool would sweep through whole scenes in one tick.
 inline constexpr double kLargestTool = 1.0;
 
-/// Return a dental tool by its name. Its tip is at the TCP, its shaft is along z of P. Part 0 is the head, also of a
-/// Bur. D is the largest diameter of the head in 0.1 mm (three digits, as in ISO 6360), 003 to 100.
+/// Return a dental tool by its name. Its tip is at the TCP, its shaft is along z of P. Its first parts, from 0 on, are
+/// the head, also of a Bur. D is the largest diameter of the head in 0.1 mm (three digits, as in ISO 6360), 003 to 100.
+/// L is the length of the head in 0.1 mm (three digits), at least D.
 /// - "round-D": a ball.
-/// - "cylinder-D-L": a cylinder with a round end. L is its length in 0.1 mm (three digits), at least D.
+/// - "cylinder-D-L": a cylinder with a round end.
+/// - "flat-D-L": a cylinder with a flat end.
+/// - "cone-D-L-T": a cone with a round end of the diameter T in 0.1 mm (three digits, below D).
+/// - "flame-D-L": a flame, whose side is an arc.
 /// - "bur-245": a cylinder with round ends in place of the pear of a bur 245.
 /// - "cpi-probe": the WHO probe, a ball of 0.5 mm on a thin rod.
 /// - "explorer": a straight point in steps.

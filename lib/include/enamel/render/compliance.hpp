@@ -19,6 +19,7 @@ namespace enamel {
 class Scene;
 class ToolTrack;
 struct Tool;
+struct PartRange;
 
 /// Largest compliance of a material, instead of infinity, m/N.
 inline constexpr double kSoftest = 1e12;
@@ -58,9 +59,11 @@ class ComplianceMemory {
   void letIn(const Tool& tool, ToolTrack& track) const noexcept;
 
   /// Enter compressions and punctures into the contacts of a new sample. A layer of a solid is at most as thick as its
-  /// material is now below the contact, in whole cells. `bur`: the part that spins, or -1. A solid is rigid for it: it
-  /// cuts what it would compress. If it has sunk in before, it cuts what it compresses: less by `cut` m. Realtime: yes.
-  void enter(const Scene& scene, const Tool& tool, int bur, double cut, ContactSnapshot& contacts) noexcept;
+  /// material is now below the contact, in whole cells. `bur`: the parts that spin. A solid is rigid for them: they cut
+  /// what they would compress. They stay in a layer that they had compressed before, and cut it in place: `cut` m in
+  /// this tick (Contact::sunk). Realtime: yes.
+  void enter(const Scene& scene, const Tool& tool, const PartRange& bur, double cut,
+             ContactSnapshot& contacts) noexcept;
 
   /// Store how the renderer's forces compress the materials, and pierce the layers that break. Realtime: yes.
   void press(const TickOutput& output, double period, ContactSnapshot& contacts) noexcept;

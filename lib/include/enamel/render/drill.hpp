@@ -32,11 +32,15 @@ struct SolidCut {
 /// The surface recedes against the force. Per tick it recedes by the volume over the area of the whole bur. If the bur
 /// touches with less than its whole area, it cuts less, and the rest follows at the next tick. If the tool penetrates
 /// the surface, the model puts the bur back on the surface. The drill therefore removes only material swept by a bur
-/// that rests on the surface.
+/// that rests on the surface. A bur that starts within a layer that it compresses stays there, until the surface has
+/// receded to it (Contact::sunk).
+///
+/// The bur is the head of the tool (Tool::head). Its parts move, cut and vibrate together, and the contacts of each
+/// part count.
 class Drill {
  public:
   /// `solids` has one entry per obstacle of the scene, null for an obstacle that cannot be cut. Throws Error if the
-  /// tool does not have the part, if the part's radius is outside 0 to Solid::kLargestBur, or for a number of the bur
+  /// tool does not have the parts, if a part's radius is outside 0 to Solid::kLargestBur, or for a number of the bur
   /// outside its limits (lib/docs/files.md). Realtime: no.
   Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur = {});
 
@@ -53,8 +57,8 @@ class Drill {
   /// Realtime: yes.
   int obstacle() const noexcept { return obstacle_; }
   double hold() const noexcept { return obstacle_ < 0 ? 0.0 : 0.5 * force_.norm() / rough_; }
-  /// Return the number of the part that cuts. Realtime: yes.
-  int part() const noexcept { return bur_.part; }
+  /// Return the parts that cut. Realtime: yes.
+  const PartRange& parts() const noexcept { return parts_; }
 
   /// Correct the contacts before the renderer reads them, to account for the cut under way. Change gaps and the
   /// velocity at which the surface recedes. Limit the stiffness of contacts more than 26 deg off the force to 20 N/mm.
@@ -78,8 +82,9 @@ class Drill {
   /// Exchange the solids, after the scene was exchanged. The work of the bur continues. Realtime: yes.
   void exchangeSolids(std::vector<std::shared_ptr<Solid>>& solids) noexcept { solids_.swap(solids); }
 
-  /// Return what the last tick cut, so that a copy of the solid can be cut in the same way. Realtime: yes.
-  const SolidCut& lastCut() const noexcept { return lastCut_; }
+  /// Return what each part of the head cut at the last tick, so that a copy of the solid can be cut in the same way.
+  /// Realtime: yes.
+  const std::array<SolidCut, kMaxToolParts>& lastCuts() const noexcept { return lastCuts_; }
 
   /// Return the volume that the last tick removed, per layer, m^3. feed() returns the speed at which the surface
   /// receded, m/s, and recession() that by Archard's law for a bur that cuts with its whole area. Realtime: yes.
@@ -89,30 +94,35 @@ class Drill {
 
  private:
   void turn(double elapsed) noexcept;
+  RemovedVolume cutTo(Solid& solid, int number, const std::array<Segment, kMaxToolParts>& axes) noexcept;
+  void follow(const Vec3& moved, double back, double elapsed) noexcept;
 
   Bur bur_;
-  ToolPart part_;
-  Mat3 axes_;       // of the bur, in P; z is its axis
-  double removal_;  // K v at the free speed, m^3 s^-1 Pa / N
-  double area_;     // of the bur, m^2
-  double follow_;   // rate at which the motor approaches its speed, 1/s; 0: the speed is constant
+  PartRange parts_;
+  std::array<ToolPart, kMaxToolParts> head_{};  // the parts
+  double radius_;                               // largest of the parts, m
+  Mat3 axes_;                                   // of the bur, in P; z is its axis
+  double removal_;                              // K v at the free speed, m^3 s^-1 Pa / N
+  double area_;                                 // of the bur, m^2: of a cylinder with round ends around it
+  double follow_;  // rate at which the motor approaches its speed, 1/s; 0: the speed is constant
   bool isOn_ = false;
-  double speed_ = 0.0;        // over the free one
-  double phase_ = 0.0;        // of the rotation, turns
-  double load_ = 0.0;         // N m
-  Vec3 head_ = Vec3::Zero();  // displacement of the head by its vibration, W, m
+  double speed_ = 0.0;         // over the free one
+  double phase_ = 0.0;         // of the rotation, turns
+  double load_ = 0.0;          // N m
+  Vec3 shake_ = Vec3::Zero();  // displacement of the head by its vibration, W, m
   std::vector<std::shared_ptr<Solid>> solids_;
   int obstacle_ = -1;                        // cut at the last tick
   Vec3 way_ = Vec3::Zero();                  // direction against which the surface recedes, W
   double rough_ = 0.0;                       // height of a cut surface above its samples, at most, m
   std::array<double, kMaxContacts> gaps_{};  // of this tick's contacts, before the correction, m
   double advance_ = 0.0;                     // of the surface per tick, by Archard's law, m
-  Segment last_;                             // the bur at the last tick, in the obstacle's frame
+  std::array<Segment, kMaxToolParts> last_;  // the parts at the last tick, in the obstacle's frame
+  bool rests_ = false;                       // on the surface, at the last tick
   Vec3 force_ = Vec3::Zero();                // W
   double owed_ = 0.0;                        // volume not yet cut, m^3
   double hardness_ = 0.0;
   RemovedVolume removed_{};
-  SolidCut lastCut_;
+  std::array<SolidCut, kMaxToolParts> lastCuts_;
   double feed_ = 0.0, recession_ = 0.0;
 };
 

@@ -37,8 +37,8 @@ bool isRough(const Scene& scene) noexcept;
 
 /// Move the contacts to the rough surface: subtract the height from the gap, and tilt the normal by its slope. `passed`
 /// of a contact is the larger of the tool's way in a period and of an encoder step of all joints, along the surface.
-/// `smooth` is a part of the tool that feels no roughness (a bur that cuts it away), or -1. Realtime: yes.
+/// `smooth` are parts of the tool that feel no roughness (a bur that cuts it away). Realtime: yes.
 void roughen(const Scene& scene, const Tool& tool, const Kinematics& kinematics, const JointVector& encoderStep,
-             double period, int smooth, ContactSnapshot& contacts) noexcept;
+             double period, const PartRange& smooth, ContactSnapshot& contacts) noexcept;
 
 }  // namespace enamel

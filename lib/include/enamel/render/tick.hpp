@@ -97,7 +97,7 @@ class HapticTick {
  private:
   static constexpr double kNever = std::numeric_limits<double>::lowest();
 
-  int bur() const noexcept { return drill_ != nullptr && drill_->spins() ? drill_->part() : -1; }
+  PartRange bur() const noexcept { return drill_ != nullptr && drill_->spins() ? drill_->parts() : PartRange(); }
   bool hasGuides() const noexcept { return scene_.scene().guides() != nullptr; }
   bool needsInertia() const noexcept { return renderer_->needsInertia() || scene_.hasTaps(); }
   Measurement adjusted(const Measurement& measurement) const noexcept;

@@ -30,10 +30,10 @@ class TickScene {
   ComplianceMemory& compliance() noexcept { return compliance_; }
 
   /// Move the obstacles to `time`, s, `elapsed` s after the last call, and find the contacts of the tool at a pose.
-  /// `bur`: the part that spins, or -1; `recession`: of the surface that it cuts (Drill), m/s. Statuses as
+  /// `bur`: the parts that spin; `recession`: of the surface that it cuts (Drill), m/s. Statuses as
   /// followContacts(). Realtime: yes.
-  [[nodiscard]] Status findContacts(const Pose& pose, double time, double elapsed, int bur, double recession,
-                                    ContactSnapshot& contacts) noexcept;
+  [[nodiscard]] Status findContacts(const Pose& pose, double time, double elapsed, const PartRange& bur,
+                                    double recession, ContactSnapshot& contacts) noexcept;
 
   /// Continue the motions of `old` among the obstacles that both have (isSameObstacle()), and the path of the tool if
   /// it is the same. A new obstacle is at rest at its stated pose. `old` may afterwards only be destroyed. Realtime:
