@@ -149,7 +149,8 @@ RemovedVolume Drill::cutTo(Solid& solid, int number, const std::array<Segment, k
   return sum;
 }
 
-// Update the feed. While the bur rests on the surface, it moves with it. Otherwise the surface is at rest.
+// Update the feed. While the bur rests on the surface, to within the height to which that is known, it moves with it.
+// Otherwise the surface is at rest. `back`: the way back to the surface.
 void Drill::follow(const Vec3& moved, double back, double elapsed) noexcept {
   const bool rests = back > -rough_;
   feed_ += kFollow * ((rests && rests_ ? -way_.dot(moved) / elapsed : 0.0) - feed_);
@@ -189,10 +190,12 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   advance_ = std::max(0.0, asked / area_);
 
   // Retract the bur until no contact is deeper than this tick's advance.
-  double back = -rough_;
+  double back = -rough_, depth = -rough_;
   for (const Contact* c = deepest; c != end; ++c) {
     const double gap = gaps_[static_cast<std::size_t>(c - first)];
-    if (c->obstacle != number || !parts_.has(c->part) || gap >= 0.0 || way_.dot(c->normal) < kAhead) continue;
+    if (c->obstacle != number || !parts_.has(c->part) || way_.dot(c->normal) < kAhead) continue;
+    depth = std::max(depth, -gap / way_.dot(c->normal));
+    if (gap >= 0.0) continue;
     back = std::max(back, -gap / way_.dot(c->normal) - advance_);
   }
   std::array<Segment, kMaxToolParts> axes;
@@ -208,7 +211,7 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
     hardness_ += kFollow * (weighted / volume - hardness_);
   }
   owed_ = std::clamp(asked - volume, -kMostOwed * area_ * rough_, kMostOwed * area_ * rough_);
-  if (obstacle_ == number) follow(moved, back, elapsed);
+  if (obstacle_ == number) follow(moved, depth, elapsed);
   obstacle_ = number;
 }
 
