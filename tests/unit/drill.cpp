@@ -44,6 +44,7 @@ struct Cut {
   double volume, depth;            // of the second half, m^3, m
   double expected;                 // volume by Archard's law, m^3
   double feedEnamel, feedDentine;  // m/s
+  double deepest;                  // of the whole time, m
 };
 
 // A hand presses with 2 N on top of the tooth, which is tilted.
@@ -84,6 +85,7 @@ Cut press(Renderer& renderer, const Mechanism& device, int delay, double tilt, c
     };
     REQUIRE(loop.tick(load, record) == Status::ok);
     REQUIRE(record.guard == GuardReason::none);
+    cut.deepest = std::max(cut.deepest, -record.nearest.gap);
     const double before = depth;
     depth = tip - normal.dot(record.pose.position);
     if (i == ticks / 2) atFirst = depth;
@@ -159,9 +161,11 @@ TEST_CASE("drill: a head of several parts cuts what one part would cut under the
       INFO(name << ", delay " << delay << ": " << cut.force << " N, deviation " << cut.torque << " N m, volume "
                 << 1e9 * cut.volume << " mm3 of " << 1e9 * cut.expected);
       CHECK(cut.force == Approx(2.0).epsilon(0.05));
-      CHECK(cut.volume == Approx(cut.expected).epsilon(0.1));
+      CHECK(cut.volume == Approx(cut.expected).epsilon(0.2));  // up to 18 % for the flat end
       CHECK(cut.depth > 0.1e-3);
       CHECK(cut.torque < 0.05);
+      // 0.8 mm if the contacts at the ends of a cylinder take each other's place from tick to tick.
+      CHECK(cut.deepest < kCell);
     }
 }
 
@@ -227,7 +231,7 @@ TEST_CASE("drill: contacts and material go together while it cuts", "[drill]") {
   CHECK(touches > ticks / 6);
   CHECK(lost == 0);
   CHECK(unfounded == 0);
-  CHECK(vanished < touches / 1000);  // a sliver may disappear in the tick that felt it
+  CHECK(vanished <= touches / 1000);  // a sliver may disappear in the tick that felt it
   CHECK(unfelt == 0);
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <variant>
 
@@ -14,9 +15,16 @@ using namespace kernel;
 namespace {
 
 constexpr double kSameContact = 0.7071067811865476;  // cos 45 deg
+constexpr double kPressed = 1e-4;                    // m
 
-// A contact keeps its key if obstacle and part match and its normal is the closest. `last` holds contacts in the frames
-// of their obstacles.
+// Return how far a contact has moved, m: its point, its gap, and the place at which it holds a tool that a hand pushes
+// by kPressed into the surface.
+double changeOf(const Contact& known, const Vec3& point, const Vec3& normal, double gap) {
+  return (point - known.point).norm() + std::abs(gap - known.gap) + kPressed * (normal - known.normal).norm();
+}
+
+// A contact keeps its key if obstacle and part match: those that have changed least first. `last` holds contacts in the
+// frames of their obstacles.
 void nameContacts(const Scene& scene, ContactSnapshot& last, std::uint32_t& lastKey, ContactSnapshot& contacts) {
   std::array<Vec3, kMaxContacts> points, normals;  // in the frames of the obstacles
   for (int k = 0; k < contacts.count; ++k) {
@@ -24,24 +32,33 @@ void nameContacts(const Scene& scene, ContactSnapshot& last, std::uint32_t& last
     const Pose& pose = scene.obstacles()[static_cast<std::size_t>(contact.obstacle)].pose;
     normals[k] = pose.rotation.transpose() * contact.normal;
     points[k] = pose.rotation.transpose() * (contact.point - pose.position);
+    contact.key = 0;
+  }
+  for (;;) {
+    int which = -1;
     Contact* best = nullptr;
-    double least = kSameContact;
-    for (int i = 0; i < last.count; ++i) {
-      Contact& known = last.contacts[i];
-      if (known.key == 0 || known.obstacle != contact.obstacle || known.part != contact.part ||
-          (known.point - points[k]).norm() > kLargestMove)
-        continue;
-      const double alike = known.normal.dot(normals[k]);
-      if (!(alike > least)) continue;
-      least = alike;
-      best = &known;
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < contacts.count; ++k) {
+      const Contact& contact = contacts.contacts[k];
+      for (int i = 0; contact.key == 0 && i < last.count; ++i) {
+        Contact& known = last.contacts[i];
+        if (known.key == 0 || known.obstacle != contact.obstacle || known.part != contact.part ||
+            (known.point - points[k]).norm() > kLargestMove || !(known.normal.dot(normals[k]) > kSameContact))
+          continue;
+        const double change = changeOf(known, points[k], normals[k], contact.gap);
+        if (!(change < least)) continue;
+        least = change;
+        best = &known;
+        which = k;
+      }
     }
-    if (best == nullptr) {
-      if (++lastKey == 0) lastKey = 1;
-      contact.key = lastKey;
-    } else {
-      contact.key = std::exchange(best->key, 0u);
-    }
+    if (best == nullptr) break;
+    contacts.contacts[which].key = std::exchange(best->key, 0u);
+  }
+  for (int k = 0; k < contacts.count; ++k) {
+    if (contacts.contacts[k].key != 0) continue;
+    if (++lastKey == 0) lastKey = 1;
+    contacts.contacts[k].key = lastKey;
   }
   last.count = contacts.count;
   for (int k = 0; k < contacts.count; ++k) {
@@ -69,9 +86,9 @@ ToolTrack makeToolTrack(const Scene& scene, const Tool& tool) {
 
 namespace {
 
-constexpr std::size_t kPartState = 8;     // axis, clearance, whether it is known
-constexpr std::size_t kContactState = 9;  // point, normal, obstacle, part, key
-constexpr double kLargestPlace = 1e3;     // m
+constexpr std::size_t kPartState = 8;      // axis, clearance, whether it is known
+constexpr std::size_t kContactState = 10;  // point, normal, obstacle, part, key, gap
+constexpr double kLargestPlace = 1e3;      // m
 
 std::uint64_t revisionOf(const Obstacle& obstacle) noexcept {
   if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) return (*solid)->restorations();
@@ -106,6 +123,7 @@ void ToolTrack::saveState(const Scene& scene, double* state) const noexcept {
     state[6] = isKnown ? c.obstacle : 0;
     state[7] = isKnown ? c.part : 0;
     state[8] = isKnown ? c.key : 0;
+    state[9] = isKnown ? c.gap : 0.0;
     state += kContactState;
   }
   state[0] = last_.count;
@@ -140,6 +158,7 @@ void ToolTrack::loadState(const Scene& scene, const double* state) noexcept {
     c.obstacle = isContact ? static_cast<int>(state[6]) : 0;
     c.part = isContact ? static_cast<int>(state[7]) : 0;
     c.key = isContact ? static_cast<std::uint32_t>(state[8]) : 0;  // 0: no contact continues it
+    c.gap = state[9];
   }
 }
 

@@ -105,7 +105,7 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
     w.softness = softness(contact, contact.compression, 0.0, modes.period);
     w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
     w.contact = c;
-    // A new wall begins at the tool. That of a layer begins where the layer was pressed to.
+    // A new wall, and one that did not hold the tool, begins at the tool. A layer begins where it was pressed to.
     double was = contact.compression < kNotCompressed ? std::min(0.0, -contact.compression) : 0.0;
     const auto end = memory.wall.begin() + static_cast<int>(memory.count);
     const auto before = std::find_if(memory.wall.begin(), end, [&](const Wall& other) { return other.name == w.name; });
@@ -113,7 +113,7 @@ int collectWalls(const TickFrame& frame, const PredictedModes& modes, const Join
       before->contact = c;
       w.holds = before->holds;
       w.force = before->force;
-      was = before->gap + undriven;
+      was = before->holds != 0.0 ? before->gap + undriven : std::min(was, before->gap + undriven);
     }
     const double way = modes.tremor * complianceOf(modes, modes.toModes(w.row)) + (moves + std::abs(w.speed)) * T;
     w.gap = std::max(w.gap, was - way);
