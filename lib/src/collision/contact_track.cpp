@@ -26,34 +26,35 @@ double changeOf(const Contact& known, const Vec3& point, const Vec3& normal, dou
 // A contact keeps its key if obstacle and part match: those that have changed least first. `last` holds contacts in the
 // frames of their obstacles.
 void nameContacts(const Scene& scene, ContactSnapshot& last, std::uint32_t& lastKey, ContactSnapshot& contacts) {
+  constexpr double kOther = std::numeric_limits<double>::infinity();
   std::array<Vec3, kMaxContacts> points, normals;  // in the frames of the obstacles
+  double change[kMaxContacts][kMaxContacts];       // kOther: another contact
   for (int k = 0; k < contacts.count; ++k) {
     Contact& contact = contacts.contacts[k];
     const Pose& pose = scene.obstacles()[static_cast<std::size_t>(contact.obstacle)].pose;
     normals[k] = pose.rotation.transpose() * contact.normal;
     points[k] = pose.rotation.transpose() * (contact.point - pose.position);
     contact.key = 0;
+    for (int i = 0; i < last.count; ++i) {
+      const Contact& known = last.contacts[i];
+      const bool isSame = known.key != 0 && known.obstacle == contact.obstacle && known.part == contact.part &&
+                          (known.point - points[k]).norm() <= kLargestMove &&
+                          known.normal.dot(normals[k]) > kSameContact;
+      change[k][i] = isSame ? changeOf(known, points[k], normals[k], contact.gap) : kOther;
+    }
   }
   for (;;) {
-    int which = -1;
-    Contact* best = nullptr;
-    double least = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < contacts.count; ++k) {
-      const Contact& contact = contacts.contacts[k];
-      for (int i = 0; contact.key == 0 && i < last.count; ++i) {
-        Contact& known = last.contacts[i];
-        if (known.key == 0 || known.obstacle != contact.obstacle || known.part != contact.part ||
-            (known.point - points[k]).norm() > kLargestMove || !(known.normal.dot(normals[k]) > kSameContact))
-          continue;
-        const double change = changeOf(known, points[k], normals[k], contact.gap);
-        if (!(change < least)) continue;
-        least = change;
-        best = &known;
-        which = k;
-      }
-    }
-    if (best == nullptr) break;
-    contacts.contacts[which].key = std::exchange(best->key, 0u);
+    int which = -1, best = -1;
+    double least = kOther;
+    for (int k = 0; k < contacts.count; ++k)
+      for (int i = 0; contacts.contacts[k].key == 0 && i < last.count; ++i)
+        if (change[k][i] < least && last.contacts[i].key != 0) {
+          least = change[k][i];
+          which = k;
+          best = i;
+        }
+    if (best < 0) break;
+    contacts.contacts[which].key = std::exchange(last.contacts[best].key, 0u);
   }
   for (int k = 0; k < contacts.count; ++k) {
     if (contacts.contacts[k].key != 0) continue;
