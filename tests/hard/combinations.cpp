@@ -209,9 +209,6 @@ void check(const Combination& c, bool judgesChange = true) {
     plain[kDelay] = c[kDelay];
     place->second = run(plain).change;
   }
-  // Encoder steps change the force in each direction in which walls hold the tool. A wall has one or two of them, a pit
-  // that a bur has cut has three.
-  const double plain = (c[kBur] > 0 ? 1.5 * std::sqrt(1.5) : 1.5) * place->second;
   // An unstable loop swings between zero and the force that it holds, of the hand and of a guide that presses.
   const double held = (c[kGuides] == 2 ? 0.8 : 0.5) * test::kBenchDevices[c[kDevice]].force;
   const Outcome result = run(c);
@@ -221,7 +218,7 @@ void check(const Combination& c, bool judgesChange = true) {
                                             << ": " << result.given << " J, " << result.change << " N a tick");
   CHECK(result.fault == GuardReason::none);
   CHECK(result.given < 1e-3);  // as for one rough surface
-  if (judgesChange) CHECK(result.change <= std::max(plain, held));
+  if (judgesChange) CHECK(result.change <= std::max(1.5 * place->second, held));
   if (c[kBur] > 0 && c[kSupport] == 0) CHECK((result.removed > 0.0) == (c[kBur] < 3));
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
@@ -154,14 +155,17 @@ TEST_CASE("drill: the hand's force and no chatter at any feed", "[drill]") {
 
 TEST_CASE("drill: a head of several parts cuts what one part would cut under the same force", "[drill]") {
   const auto device = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
-  for (const char* name : {"cylinder-010-020", "flat-010-020", "cone-012-030-006", "flame-012-030"})
+  // A flat end cuts up to 18 % more. The cause is not known.
+  const std::pair<const char*, double> heads[] = {
+      {"cylinder-010-020", 0.1}, {"flat-010-020", 0.2}, {"cone-012-030-006", 0.1}, {"flame-012-030", 0.1}};
+  for (const auto& [name, tolerance] : heads)
     for (const int delay : {0, 1}) {
       PositionControlRenderer servo(positionControlFor(*device, 1e-3, delay, delay));
       const Cut cut = press(servo, *device, delay, 0.0, kBur, 5e-3, toolOf(name));
       INFO(name << ", delay " << delay << ": " << cut.force << " N, deviation " << cut.torque << " N m, volume "
                 << 1e9 * cut.volume << " mm3 of " << 1e9 * cut.expected);
       CHECK(cut.force == Approx(2.0).epsilon(0.05));
-      CHECK(cut.volume == Approx(cut.expected).epsilon(0.2));  // up to 18 % for the flat end
+      CHECK(cut.volume == Approx(cut.expected).epsilon(tolerance));
       CHECK(cut.depth > 0.1e-3);
       CHECK(cut.torque < 0.05);
       // 0.8 mm if the contacts at the ends of a cylinder take each other's place from tick to tick.
@@ -231,7 +235,7 @@ TEST_CASE("drill: contacts and material go together while it cuts", "[drill]") {
   CHECK(touches > ticks / 6);
   CHECK(lost == 0);
   CHECK(unfounded == 0);
-  CHECK(vanished <= touches / 1000);  // a sliver may disappear in the tick that felt it
+  CHECK((vanished == 0 || vanished < touches / 1000));  // a sliver may disappear in the tick that felt it
   CHECK(unfelt == 0);
 }
 

@@ -10,9 +10,10 @@
 namespace enamel {
 namespace {
 
-constexpr double kSmallestHead = 0.3e-3, kLargestHead = 10e-3, kLongestHead = 20e-3;  // m
-constexpr double kShank = 0.8e-3, kShankLength = 4e-3;  // radius of a friction grip shank, m
-constexpr double kNeckShare = 0.6, kNeckLength = 3e-3;  // of the head's radius
+constexpr double kUnit = 1e-4;                                            // m, of the numbers in a name
+constexpr int kSmallestHead = 3, kLargestHead = 100, kLongestHead = 200;  // kUnit
+constexpr double kShank = 0.8e-3, kShankLength = 4e-3;                    // radius of a friction grip shank, m
+constexpr double kNeckShare = 0.6, kNeckLength = 3e-3;                    // of the head's radius
 
 constexpr double kFlameTip = 0.25;  // of the head's radius
 constexpr int kSteps = 6;           // capsules of a head that is not a cylinder
@@ -83,25 +84,23 @@ Tool grown(double tip, double radius, double length, bool isArc) {
   return onShank(along(pieces), length, pieces.back().radius, radius);
 }
 
-// The numbers after "-" in a name that begins with a shape, three digits each, in m; empty: it does not.
-std::vector<double> sizesOf(std::string_view name, std::string_view shape) {
-  constexpr double kUnit = 1e-4;
-  std::vector<double> sizes;
+// The numbers after "-" in a name that begins with a shape, three digits each; empty: it does not.
+std::vector<int> sizesOf(std::string_view name, std::string_view shape) {
+  std::vector<int> sizes;
   if (name.substr(0, shape.size()) != shape) return {};
   for (name.remove_prefix(shape.size()); !name.empty(); name.remove_prefix(4)) {
     const auto isDigit = [&](std::size_t at) { return name[at] >= '0' && name[at] <= '9'; };
     if (name.size() < 4 || name[0] != '-' || !isDigit(1) || !isDigit(2) || !isDigit(3)) return {};
-    sizes.push_back(kUnit * (100 * (name[1] - '0') + 10 * (name[2] - '0') + name[3] - '0'));
+    sizes.push_back(100 * (name[1] - '0') + 10 * (name[2] - '0') + name[3] - '0');
   }
   return sizes;
 }
 
 // Whether a name has so many numbers, with a diameter, a length and a diameter of the tip within their limits.
-bool isBur(const std::vector<double>& sizes, std::size_t count) {
-  constexpr double kRounding = 1e-9;  // m
-  return sizes.size() == count && sizes[0] > kSmallestHead - kRounding && sizes[0] < kLargestHead + kRounding &&
-         (count < 2 || (sizes[1] > sizes[0] - kRounding && sizes[1] < kLongestHead + kRounding)) &&
-         (count < 3 || (sizes[2] > 0.0 && sizes[2] < sizes[0] - kRounding));
+bool isBur(const std::vector<int>& sizes, std::size_t count) {
+  return sizes.size() == count && sizes[0] >= kSmallestHead && sizes[0] <= kLargestHead &&
+         (count < 2 || (sizes[1] >= sizes[0] && sizes[1] <= kLongestHead)) &&
+         (count < 3 || (sizes[2] > 0 && sizes[2] < sizes[0]));
 }
 
 }  // namespace
@@ -110,11 +109,13 @@ Tool toolOf(const std::string& name) {
   if (name == "cpi-probe") return along({{0.0, 0.5e-3, 0.25e-3}, {0.1e-3, 12e-3, 0.2e-3}});
   if (name == "explorer") return along({{0.0, 1.5e-3, 0.1e-3}, {0.5e-3, 4e-3, 0.2e-3}, {2e-3, 10e-3, 0.35e-3}});
   if (name == "bur-245") return cylinder(0.8e-3, 3e-3);
-  if (const auto d = sizesOf(name, "round"); isBur(d, 1)) return cylinder(d[0], d[0]);
-  if (const auto d = sizesOf(name, "cylinder"); isBur(d, 2)) return cylinder(d[0], d[1]);
-  if (const auto d = sizesOf(name, "flat"); isBur(d, 2)) return flat(d[0], d[1]);
-  if (const auto d = sizesOf(name, "cone"); isBur(d, 3)) return grown(0.5 * d[2], 0.5 * d[0], d[1], false);
-  if (const auto d = sizesOf(name, "flame"); isBur(d, 2)) return grown(0.5 * kFlameTip * d[0], 0.5 * d[0], d[1], true);
+  if (const auto d = sizesOf(name, "round"); isBur(d, 1)) return cylinder(kUnit * d[0], kUnit * d[0]);
+  if (const auto d = sizesOf(name, "cylinder"); isBur(d, 2)) return cylinder(kUnit * d[0], kUnit * d[1]);
+  if (const auto d = sizesOf(name, "flat"); isBur(d, 2)) return flat(kUnit * d[0], kUnit * d[1]);
+  if (const auto d = sizesOf(name, "cone"); isBur(d, 3))
+    return grown(0.5 * kUnit * d[2], 0.5 * kUnit * d[0], kUnit * d[1], false);
+  if (const auto d = sizesOf(name, "flame"); isBur(d, 2))
+    return grown(0.5 * kFlameTip * kUnit * d[0], 0.5 * kUnit * d[0], kUnit * d[1], true);
   throw Error(
       "\"" + name +
       "\" is not a tool: it must be \"round-D\", \"cylinder-D-L\", \"flat-D-L\", \"cone-D-L-T\", "

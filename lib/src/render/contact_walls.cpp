@@ -171,14 +171,18 @@ int placeTargets(const TickFrame& frame, const PredictedModes& modes, const Rebo
     t.size = std::sqrt(square);
     t.reach = t.apart = t.offset = 0.0;
     t.isLayer = false;
+    double soft = w.softness;
     if (const int c = static_cast<int>(w.contact); c >= 0) {
       if (frame.yield.isAny) {
         t.reach = std::sqrt(modes.period * lead) / square;
         t.apart = t.reach * t.reach * frame.yield.inverse[c][c];
       }
-      t.isLayer = frame.contacts.contacts[c].compression >= 0.0;
+      if (const Contact& contact = frame.contacts.contacts[c]; contact.compression >= 0.0) {
+        t.isLayer = true;
+        soft = softness(contact, -t.gap, square * (1.0 + t.apart), modes.period);
+      }
     }
-    t.compliance = w.softness / square + t.apart;
+    t.compliance = soft / square + t.apart;
     t.doubt = 0.5 * reading + modes.tremor * square;
     t.wall = i;
     ++placed;
@@ -188,14 +192,6 @@ int placeTargets(const TickFrame& frame, const PredictedModes& modes, const Rebo
 
 void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wall* walls, Target* targets, int count,
                    double* force) noexcept {
-  for (int i = 0; i < count; ++i) {  // of a layer: as if it were alone
-    Target& t = targets[i];
-    if (!t.isLayer) continue;
-    const double square = t.size * t.size;
-    const Contact& contact = frame.contacts.contacts[static_cast<int>(walls[t.wall].contact)];
-    t.offset = 0.0;
-    t.compliance = softness(contact, -t.gap, square * (1.0 + t.apart), modes.period) / square + t.apart;
-  }
   if (count == 1) {
     force[0] = std::max(0.0, -targets[0].gap) / (targets[0].size * targets[0].size * (1.0 + targets[0].compliance));
     return;
@@ -213,7 +209,7 @@ void contactForces(const TickFrame& frame, const PredictedModes& modes, const Wa
       if (step > 0)
         x = t.offset + force[i] * square * (t.compliance - t.apart);
       else if (!(before < kNotCompressed))
-        x = -t.gap * (t.compliance - t.apart) / (1.0 + t.compliance);
+        x = -t.gap * (t.compliance - t.apart) / (1.0 + t.compliance);  // as if it were alone
       if (x >= m.thickness) x = compressionUnder(m, force[i], before, modes.period);
       x = std::max(kLeastCompression, x);
       const auto [now, slope] = forceOf(m, x, before, modes.period);

@@ -20,12 +20,6 @@ constexpr double kFacing = 0.1, kAhead = 0.7, kSide = 0.9;  // cosines
 // in three directions, and encoder noise makes it chatter in each.
 constexpr double kSideStiffness = 2e4;  // N/m
 
-double thinnestOf(const std::array<ToolPart, kMaxToolParts>& parts, int count) noexcept {
-  double radius = parts[0].radius;
-  for (int i = 1; i < count; ++i) radius = std::min(radius, parts[static_cast<std::size_t>(i)].radius);
-  return radius;
-}
-
 }  // namespace
 
 Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur)
@@ -35,7 +29,7 @@ Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const
                 (tool.head > 1 ? " and the next " + std::to_string(tool.head - 1) : "") +
                 ", must be below its number of parts, " + std::to_string(tool.count));
   std::copy_n(tool.parts.begin() + bur.part, tool.head, head_.begin());
-  radius_ = head_[0].radius;
+  radius_ = thinnest_ = head_[0].radius;
   Vec3 along = head_[0].b - head_[0].a;
   for (int i = 0; i < parts_.count; ++i) {
     const ToolPart& part = head_[static_cast<std::size_t>(i)];
@@ -45,6 +39,7 @@ Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const
       throw Error(name + " has a radius of " + formatNumber(1e3 * part.radius) + " mm, must be at most " +
                   formatNumber(1e3 * Solid::kLargestBur) + " mm; are its lengths in metres?");
     radius_ = std::max(radius_, part.radius);
+    thinnest_ = std::min(thinnest_, part.radius);
     if (const Vec3 other = part.b - part.a; other.norm() > along.norm()) along = other;
   }
   const auto refuse = [](const std::string& name, double value, const std::string& unit, const std::string& limits) {
@@ -184,7 +179,7 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   const double pressed = force_.norm();
   load_ = bur_.drag * pressed * radius_;
   way_ = pressed > 0.0 ? Vec3(force_ / pressed) : deepest->normal;
-  rough_ = solid.cell() * solid.cell() / (4.0 * thinnestOf(head_, parts_.count));
+  rough_ = solid.cell() * solid.cell() / (4.0 * thinnest_);
   recession_ = removal_ * speed_ * pressed / (hardness_ * area_);
   const double asked = recession_ * area_ * elapsed + owed_;
   advance_ = std::max(0.0, asked / area_);

@@ -100,7 +100,7 @@ class Drill {
   Bur bur_;
   PartRange parts_;
   std::array<ToolPart, kMaxToolParts> head_{};  // the parts
-  double radius_;                               // largest of the parts, m
+  double radius_, thinnest_;                    // largest and smallest of the parts, m
   Mat3 axes_;                                   // of the bur, in P; z is its axis
   double removal_;                              // K v at the free speed, m^3 s^-1 Pa / N
   double area_;                                 // of the bur, m^2: of a cylinder with round ends around it
