@@ -241,11 +241,16 @@ struct Steps {
     // the force itself, which keeps the controller's margin to a wrong resonance (loop transfer recovery).
     const Wide push = wide(s.mean[kPush]), step = wide(s.step), net = magnitudeOf(wide(command) + push);
     Wide force = larger(net, kLeastForce * step);
-    // Averaging readings does not remove the rounding of encoders. So the mass counts as known if its uncertainty moves
-    // the mode by less than the rounding in a tick.
-    const Wide moves = 0.5 * data.period * data.period * net / (wide(s.used) + data.drive.rotorInertia);
+    // A mode teaches the mass in a tick in two cases; else the mass counts as known. Its uncertainty moves the mode by
+    // more than the rounding of encoders, which averaging does not remove. Or the mode moves by more than a count, so
+    // that the rounding is independent from tick to tick, and the uncertainty changes the force by more than the hand's
+    // tremor: commands follow the tremor, and the model of the push does not contain it.
+    const double T = data.period, deviation = std::sqrt(s.scaleVariance);
+    const Wide unsure = deviation * net, moved = 0.5 * T * T * unsure / (wide(s.used) + data.drive.rotorInertia);
+    const Wide travel = T * magnitudeOf(wide(s.mean[kMech - 1]));
     Lane matters;
-    wide(matters) = select(moves * moves * s.scaleVariance > wide(s.readingVariance), 1.0, 0.0);
+    wide(matters) = larger(select(moved * moved > wide(s.readingVariance), 1.0, 0.0),
+                           select((travel > wide(s.largestStep)) & (unsure > wide(s.tremor)), 1.0, 0.0));
     if (kMech == 4) force = larger(force, larger(magnitudeOf(wide(command)), magnitudeOf(push)));
     const double lack2 = data.modelError * data.modelError, disturbance = data.drive.disturbance;
     const Wide lacks = lack2 * force * force, rotor = lacks + disturbance * disturbance + wide(variance);
