@@ -27,8 +27,14 @@ class VendorLibrary {
   /// Find a function. Throws std::runtime_error if it is missing.
   template <typename Function>
   void bind(const char* name, Function& function) const {
-    function = reinterpret_cast<Function>(dlsym(handle_.get(), name));
+    bindIfThere(name, function);
     if (function == nullptr) throw std::runtime_error(std::string("the vendor's library has no function ") + name);
+  }
+
+  /// Find a function; null if it is missing.
+  template <typename Function>
+  void bindIfThere(const char* name, Function& function) const noexcept {
+    function = reinterpret_cast<Function>(dlsym(handle_.get(), name));
   }
 
  private:
