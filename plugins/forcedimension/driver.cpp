@@ -26,7 +26,8 @@ constexpr const char* kNone = "no device is connected, or it has no power or is 
 constexpr double kLargestGrip = 8.0;  // N, of the gripper
 
 const EnamelParameter kOptions[] = {
-    {"library", "auto", "file of the vendor's library; auto: libdhd.so.3 or libdhd.so where the system finds it"},
+    {"library", "auto",
+     "file of the vendor's library; auto: libdhd.so.3, libdhd.so or dhd64.dll where the system finds it"},
 };
 const EnamelDescription kDescription = {"forcedimension", "0.2.0",
                                         "Force Dimension omega, delta and sigma through the vendor's library", kOptions,
@@ -47,7 +48,7 @@ const Matrix3d kAxes = (Matrix3d() << 0, 1, 0, 0, 0, 1, 1, 0, 0).finished();
 
 // The functions of the SDK that the driver uses. The last parameter is the number of the device.
 struct Sdk {
-  explicit Sdk(const std::string& file) : library(file, {"libdhd.so.3", "libdhd.so"}) {
+  explicit Sdk(const std::string& file) : library(file, {"libdhd.so.3", "libdhd.so"}, {"dhd64.dll"}) {
     library.bind("dhdGetDeviceCount", deviceCount);
     library.bind("dhdOpenID", openId);
     library.bind("dhdClose", close);

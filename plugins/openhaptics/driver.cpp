@@ -45,7 +45,7 @@ constexpr double kTouchForce = 3.3, kTouchXForce = 7.9;  // N, as in the device 
 constexpr const char* kName = "Default Device";
 
 const EnamelParameter kOptions[] = {
-    {"library", "auto", "file of the vendor's library; auto: libHD.so where the system finds it"},
+    {"library", "auto", "file of the vendor's library; auto: libHD.so or hd.dll where the system finds it"},
     {"rate", "1000", "of the vendor's scheduler, Hz, the same as that of the ticks (--rate); few devices have others"},
 };
 const EnamelDescription kDescription = {"openhaptics", "0.2.0", "3D Systems Touch and Phantom through OpenHaptics",
@@ -60,7 +60,7 @@ const char* const kTouchX =
 
 // The functions of the HD API that the driver uses.
 struct Sdk {
-  explicit Sdk(const std::string& file) : library(file, {"libHD.so.3.4", "libHD.so"}) {
+  explicit Sdk(const std::string& file) : library(file, {"libHD.so.3.4", "libHD.so"}, {"hd.dll"}) {
     library.bind("hdInitDevice", init);
     library.bind("hdDisableDevice", disableDevice);
     library.bind("hdMakeCurrentDevice", makeCurrent);
