@@ -1,5 +1,5 @@
 // The driver of Force Dimension's devices through the functions that its SDK documents (libdhd, opened at run time).
-// lib/docs/devices.md has the page. Not yet tried on hardware.
+// lib/docs/force-dimension.md has the page. Not yet tried on hardware.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>

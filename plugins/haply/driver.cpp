@@ -1,6 +1,6 @@
 // The driver of the Haply Inverse3 through the Haply Inverse service: a WebSocket on port 10001 with JSON messages. The
 // service answers each message with one state, so each tick sends one force, and the next tick reads the state that
-// answers it. lib/docs/devices.md has the page. Not yet tried on hardware.
+// answers it. lib/docs/haply.md has the page. Not yet tried on hardware.
 #include <algorithm>
 #include <array>
 #include <charconv>

@@ -1,5 +1,5 @@
 // The driver of 3D Systems' Touch and Phantom through the functions that OpenHaptics documents (HD API, libHD, opened
-// at run time). The scheduler of the vendor calls frame() in its own thread. lib/docs/devices.md has the page. Not yet
+// at run time). The scheduler of the vendor calls frame() in its own thread. lib/docs/touch.md has the page. Not yet
 // tried on hardware. Names and values: "OpenHaptics Toolkit, API Reference Guide" and its header hdDefines.h.
 #include <Eigen/Geometry>
 #include <algorithm>

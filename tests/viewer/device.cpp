@@ -112,6 +112,8 @@ TEST_CASE("connections that the viewer refuses", "[viewer]") {
   };
   refuses("--device nothing://1", "device URL \"nothing://1\"");
   refuses("--device virtual: --gain servo.json", "--gain is for simulated devices");
+  refuses("--max-force 1", "--max-force is for connected devices");
+  refuses("--device virtual: --max-force -1", "largest force");
 }
 
 }  // namespace enamel::test_device
