@@ -177,7 +177,7 @@ class Device {
     if (samples_++ % kStatusTicks == 0) {
       std::array<int, 64> status{};
       if (sdk_.status(status.data(), id_) < 0) return lost();
-      isEnabled_ = status[kForce] != 0;
+      isEnabled_ = status[kForce] != 0 && status[kPower] != 0;
       const int cause = status[kForceOffCause];
       const bool isOffByUser = cause == kOffByButton || cause == kOffByProgram || cause == kOffByReleasedGrip;
       conditions_ = (status[kReset] != 0 ? std::uint32_t{ENAMEL_UNCALIBRATED} : 0U) |

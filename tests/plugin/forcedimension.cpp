@@ -140,6 +140,10 @@ TEST_CASE("faults of a Force Dimension device are missing samples, a disabled de
   standIn.set("early", 0.0);
   CHECK(bench.tick() == Status::ok);
   CHECK(bench.sample.conditions == 0);
+  standIn.set("power", 0.0);  // the power supply fails
+  REQUIRE(bench.soon([&] { return !bench.sample.enabled && bench.sample.conditions == kForcesCut; }));
+  standIn.set("power", 1.0);
+  REQUIRE(bench.soon([&] { return bench.sample.enabled && bench.sample.conditions == 0; }));
   standIn.set("forces", 0.0);
   standIn.set("off-cause", 1.0);  // the force button
   REQUIRE(bench.soon([&] { return !bench.sample.enabled; }));

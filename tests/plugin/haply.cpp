@@ -106,7 +106,7 @@ TEST_CASE("commands of the Haply service have both formats", "[haply]") {
 TEST_CASE("the Haply driver keeps the contract of drivers, and allocates nothing in a tick", "[haply]") {
   const HaplyService service(kFile, 0.02, 0.01);
   // In another process: the service allocates.
-  const auto check = test::run("check-driver haply '" + service.address() + "?id=049D'");
+  const auto check = test::run("check-driver 'haply://" + service.address() + "?id=049D&delay=1'");
   INFO(check.output);
   CHECK(check.status == 0);
   CHECK_THAT(check.output, ContainsSubstring("the plugin keeps the contract") && ContainsSubstring("Haply Inverse3"));
@@ -120,7 +120,10 @@ TEST_CASE("refusals of the Haply driver give the reason", "[haply]") {
   const auto refuses = [&](const std::string& url, const std::string& message) {
     CHECK_THROWS_WITH(openAt(url), ContainsSubstring('"' + url + '"') && ContainsSubstring(message));
   };
-  refuses("haply://127.0.0.1:1", "127.0.0.1:1: Connection refused");
+  refuses("haply://127.0.0.1:1", "127.0.0.1:1: Connection refused; is this the Haply Inverse service");
+  const auto check = test::run("check-driver haply 127.0.0.1:1");  // not a fault of the driver
+  CHECK(check.status != 0);
+  CHECK_THAT(check.output, ContainsSubstring("Connection refused") && !ContainsSubstring("contract"));
   refuses("haply://127.0.0.1", "must be HOST:PORT, such as localhost:10001");
   refuses("haply://127.0.0.1:99999", "must be HOST:PORT");
   refuses(urlOf(service, "?id=7"), "the service has no Inverse3 \"7\", only 049D");
