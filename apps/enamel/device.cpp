@@ -75,6 +75,11 @@ std::string firstLineOf(const char* file) {
   return line;
 }
 
+// Print what the driver knows about this device.
+void printFacts(const OpenedDevice& opened) {
+  if (!opened.facts.empty()) fmt::print("device: {}\n", opened.facts);
+}
+
 // Print the settings of Linux that are missing, as the page names them.
 void printMissingSettings() {
   constexpr const char* kIsolated = "/sys/devices/system/cpu/isolated";
@@ -259,6 +264,7 @@ void connect(const DeviceOptions& options) {
   const Delay delay = session.opened().delay;
   fmt::print("{} at {}: {}, delay {} ticks, memory {}\n", session.mechanism().name(), options.connect, options.renderer,
              toText(delay), loop.memoryLocked() ? "locked" : "not locked: the system refused" + std::string(kHow));
+  printFacts(session.opened());
   printMissingSettings();
   std::fflush(stdout);
   watch(session, options.connect, options.duration == 0.0 ? 10.0 : options.duration);
@@ -320,9 +326,11 @@ void touchFirst(const DeviceOptions& options) {
   how.pluginFolder = pluginFolder();
   OpenedDevice opened = openDevice(options.firstTouch, how);
   fmt::print("{} at {}. Keep the emergency stop within reach.\n", opened.mechanism->name(), options.firstTouch);
+  printFacts(opened);
   const FirstTouchResult result = firstTouch(opened, trial, confirmed);
-  const std::string text = fmt::format("{} at {}, enamel {}\n{}", opened.mechanism->name(), options.firstTouch,
-                                       ENAMEL_VERSION, result.report);
+  const std::string text =
+      fmt::format("{} at {}, enamel {}\n{}{}", opened.mechanism->name(), options.firstTouch, ENAMEL_VERSION,
+                  opened.facts.empty() ? "" : "device: " + opened.facts + "\n", result.report);
   writeFile(report, text);
   fmt::print("\n{}report: {}\n", text, report);
   if (!result.surprise.empty()) throw Error("stopped at the first surprise: " + result.surprise);

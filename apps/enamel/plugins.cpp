@@ -75,13 +75,18 @@ bool keepsContract(const CheckOptions& options) {
 
 bool keepsDriverContract(const CheckOptions& options) {
   DriverConformanceOptions conformance;
-  const DeviceUrl url = parseDeviceUrl("driver://" + options.address);
+  const bool isUrl = isDeviceUrl(options.file);
+  DeviceUrl url = parseDeviceUrl(isUrl ? options.file : "driver://" + options.address);
+  url.options.erase("device");  // the host has these two
+  url.options.erase("delay");
   conformance.address = url.address;
   conformance.options = url.options;
+  const auto driver = findDriver(isUrl ? url.scheme : options.file, pluginFolder());
+  (void)connectDriver(driver, url.address, url.options);  // without the device, the contract cannot be checked
 #ifdef ENAMEL_COUNTS_ALLOCATIONS
   conformance.allocationCount = &threadAllocationCount;
 #endif
-  return checkDriver(findDriver(options.file, pluginFolder()), conformance, printCheck);
+  return checkDriver(driver, conformance, printCheck);
 }
 
 void check(const CheckOptions& options, bool (*keeps)(const CheckOptions&)) {
@@ -128,7 +133,8 @@ void addPlugins(CLI::App& app) {
                                "Runs a driver with a connected device and checks that it keeps the contract: order of "
                                "calls, samples, times, bad "
                                "efforts, allocation.\nAll efforts are zero. The exit status is 0 if it does.");
-  command->add_option("driver", driver->file, "driver (.so), or its name in the plugin folder")->required();
+  command->add_option("driver", driver->file, "driver (.so), its name in the plugin folder, or the URL of a device")
+      ->required();
   command->add_option("address", driver->address, "address and options of the device, as in its URL after ://");
   addLimit(*command, driver->limit);
   command->callback([driver] { check(*driver, keepsDriverContract); });

@@ -25,6 +25,7 @@ class LiveDevice {
   const SceneFile& scene() const noexcept { return scene_; }
   const PeriodicTiming& timing() const noexcept { return session_->loop()->timing(); }
   bool isPolled() const noexcept { return session_->opened().poll > 0.0; }  ///< several periods of timing() a tick
+  double period() const noexcept { return 1.0 / def_.rate; }                ///< of the ticks, s
   Snapshot snapshot() const { return session_->snapshot(); }
 
   /// Return the newest frame; then the samples since the last call. A frame has no force of the hand, because no device

@@ -36,6 +36,9 @@ void runViewer(int argc, char** argv) {
                      "first renderer: position-control (slides, never pulls; default), impedance, hold "
                      "(the paper's controller), passivity (the spring with passivity control), or the name or path of "
                      "a plugin; it replaces a renderer with the same name"),
+      app.add_option("--max-force", options.maxForce,
+                     "largest force of the renderer on the tool of a connected device, N")
+          ->default_str("no limit"),
       app.add_option("--gain", options.gain,
                      "file of enamel design --output with the servo of hold; hold is then the first renderer"),
       app.add_option("--set", set, "parameter of the plugin, KEY=VALUE; may be repeated")->allow_extra_args(false)};
@@ -70,6 +73,8 @@ void runViewer(int argc, char** argv) {
     options.play = options.scene;
   }
   const bool isConnected = enamel::isDeviceUrl(options.device);
+  if (!isConnected && options.maxForce < enamel::kUnlimited)
+    throw enamel::Error("--max-force is for connected devices (--device URL)");
   if (isConnected && !options.gain.empty()) throw enamel::Error("--gain is for simulated devices (--device FILE)");
   if (!renderer.empty()) options.renderer = renderer;
   const auto linked = rendererNames(nullptr);
@@ -95,7 +100,7 @@ void runViewer(int argc, char** argv) {
   }
   if (const int signal = options.headless ? runHeadless(options, started) : runInWindow(options, started); signal != 0)
     throw enamel::app::Exit(128 + signal, "");  // exit status as in a shell
-}
+}  // namespace
 
 }  // namespace
 

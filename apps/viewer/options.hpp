@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "enamel/render/guard.hpp"
 #include "settings.hpp"
 
 namespace enamel::viewer {
@@ -14,6 +15,7 @@ struct Options {
   std::string play;                           ///< recording; if empty, the following apply:
   std::string scene, device;                  ///< device: file, or URL of a connected device
   std::string renderer = "position-control";  ///< of a connected device, as in SessionDef
+  double maxForce = kUnlimited;               ///< of a connected device, as in SessionDef, N
   std::string target;                         ///< file: how the first solid should be cut; may be empty
   std::string gain;                           ///< file; empty: see loadServoedDevice()
   RendererSlot begin = RendererSlot::positionControl;

@@ -55,7 +55,7 @@ void drawLiveDevice(const OverlayInput& input, OverlayState& state, float s, flo
   remark(now.enabled ? "The device is enabled." : "The device is not enabled: no forces.",
          now.enabled ? kMuted : kWrong);
   const Measurement& m = now.tick.measurement;
-  if (m.failed) remark("The device is lost. The viewer waits for it.", kWrong);
+  if (isLostIn(m, input.live->period())) remark("The device is lost. The viewer waits for it.", kWrong);
   for (const DeviceCondition each : {kForcesCut, kUncalibrated})
     if ((m.conditions & each) != 0) remark(std::string(toString(each)) + ".", kWrong);
   std::string reported = format("Buttons: 0x%x.", m.buttons);

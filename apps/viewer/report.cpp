@@ -44,6 +44,21 @@ nlohmann::ordered_json testPushes(const Viewer& viewer) {
   return list;
 }
 
+// Return what a connected device reports.
+nlohmann::ordered_json deviceOf(const LiveDevice& live) {
+  const Snapshot now = live.snapshot();
+  const Measurement& m = now.tick.measurement;
+  return {{"url", live.url()},
+          {"lost", isLostIn(m, live.period())},
+          {"fault", toString(now.fault)},
+          {"enabled", now.enabled},
+          {"forces cut", (m.conditions & kForcesCut) != 0},
+          {"calibrated", (m.conditions & kUncalibrated) == 0},
+          {"buttons", m.buttons},
+          {"gripper [rad]", m.gripper ? nlohmann::ordered_json(*m.gripper) : nullptr},
+          {"heat", m.heat}};
+}
+
 }  // namespace
 
 TimingNumbers numbersOf(const PeriodicTiming& timing, double framesPerSecond) {
@@ -96,6 +111,7 @@ void Report::write(const std::string& path, double seconds, Viewer& viewer, cons
   const RemovedVolume& removed = viewer.frame().drilled.removed;
   json["removed [m^3]"] = std::accumulate(removed.begin(), removed.end(), 0.0);
   json["paused"] = viewer.frame().paused;
+  if (viewer.live() != nullptr) json["device"] = deviceOf(*viewer.live());
   json["open"] = nlohmann::ordered_json::array();
   const OverlayState& overlay = viewer.overlay();
   for (const auto& [open, name] : {std::pair(overlay.help, "help"), {overlay.list, "list"}, {overlay.timing, "timing"}})

@@ -44,6 +44,7 @@ std::unique_ptr<LiveDevice> connect(const Options& options) {
   def.renderer = options.renderer;
   def.parameters = options.pluginParameters;
   def.pluginFolder = app::pluginFolder();
+  def.maxForce = options.maxForce;
   return std::make_unique<LiveDevice>(def, options.begin);
 }
 

@@ -1,5 +1,5 @@
 // The driver of Force Dimension's devices through the functions that its SDK documents (libdhd, opened at run time).
-// lib/docs/devices.md has the page. Not yet tried on hardware.
+// lib/docs/force-dimension.md has the page. Not yet tried on hardware.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -21,10 +21,13 @@ constexpr int kStatusTicks = 20;                                        // the s
 constexpr int kTimeGuard = 1;                                           // result: called too early, nothing was read
 constexpr int kPower = 0, kReset = 3, kForce = 5, kForceOffCause = 14;  // in the status
 constexpr int kOffByButton = 1, kOffByProgram = 4, kOffByReleasedGrip = 6;  // causes that are not the device itself
-constexpr double kLargestGrip = 8.0;                                        // N, of the gripper
+constexpr int kMostDevices = 64;
+constexpr const char* kNone = "no device is connected, or it has no power or is not accessible (udev rules)";
+constexpr double kLargestGrip = 8.0;  // N, of the gripper
 
 const EnamelParameter kOptions[] = {
-    {"library", "auto", "file of the vendor's library; auto: libdhd.so.3 or libdhd.so where the system finds it"},
+    {"library", "auto",
+     "file of the vendor's library; auto: libdhd.so.3, libdhd.so or dhd64.dll where the system finds it"},
 };
 const EnamelDescription kDescription = {"forcedimension", "0.2.0",
                                         "Force Dimension omega, delta and sigma through the vendor's library", kOptions,
@@ -45,7 +48,7 @@ const Matrix3d kAxes = (Matrix3d() << 0, 1, 0, 0, 0, 1, 1, 0, 0).finished();
 
 // The functions of the SDK that the driver uses. The last parameter is the number of the device.
 struct Sdk {
-  explicit Sdk(const std::string& file) : library(file, {"libdhd.so.3", "libdhd.so"}) {
+  explicit Sdk(const std::string& file) : library(file, {"libdhd.so.3", "libdhd.so"}, {"dhd64.dll"}) {
     library.bind("dhdGetDeviceCount", deviceCount);
     library.bind("dhdOpenID", openId);
     library.bind("dhdClose", close);
@@ -60,6 +63,13 @@ struct Sdk {
     library.bind("dhdGetButtonMask", buttonMask);
     library.bind("dhdSetForceAndTorqueAndGripperForce", setWrench);
     library.bind("dhdErrorGetLastStr", lastError);
+    library.bindIfThere("dhdGetSDKVersion", sdkVersion);
+    library.bindIfThere("dhdGetVersion", version);
+  }
+
+  std::string reason() const {
+    const char* const text = lastError();
+    return text == nullptr ? "the SDK gives no reason" : text;
   }
 
   VendorLibrary library;
@@ -77,6 +87,8 @@ struct Sdk {
   unsigned (*buttonMask)(char id);
   int (*setWrench)(double fx, double fy, double fz, double tx, double ty, double tz, double gripper, char id);
   const char* (*lastError)();
+  void (*sdkVersion)(int* major, int* minor, int* release, int* revision);  // these two: null if missing
+  int (*version)(double* firmware, char id);
 };
 
 // The inverse transpose of E(v) of device/cartesian/mechanism.hpp: the moment is this times the last three efforts.
@@ -99,7 +111,25 @@ class Device {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  std::string name() const { return sdk_.systemName(id_); }
+  std::string name() const {
+    const char* const name = sdk_.systemName(id_);
+    return name == nullptr ? "unknown device" : name;
+  }
+  // For reports.
+  std::string facts() const {
+    std::string text = name();
+    if (double firmware = 0.0; sdk_.version != nullptr && sdk_.version(&firmware, id_) >= 0) {
+      char digits[32];
+      std::snprintf(digits, sizeof digits, "%g", firmware);
+      text += std::string(", firmware ") + digits;
+    }
+    if (sdk_.sdkVersion == nullptr) return text;
+    std::array<int, 4> v{};
+    sdk_.sdkVersion(&v[0], &v[1], &v[2], &v[3]);
+    text += ", SDK";
+    for (std::size_t i = 0; i < v.size(); ++i) text += (i == 0 ? " " : ".") + std::to_string(v[i]);
+    return text;
+  }
   int joints() const noexcept { return hasWrist_ ? 6 : 3; }
   const char* deviceFile() const noexcept { return isActive_ ? kSigma7 : hasWrist_ ? kOmega6 : kOmega3; }
 
@@ -112,7 +142,7 @@ class Device {
       isLost_ = false;
     }
     if (sdk_.setWrench(0, 0, 0, 0, 0, 0, 0, id_) < 0 || sdk_.enableForce(1, id_) < 0)
-      throw std::runtime_error("the " + name() + " does not switch its forces on: " + sdk_.lastError());
+      throw std::runtime_error("the " + name() + " does not switch its forces on: " + sdk_.reason());
     isOpen_ = true;
     samples_ = 0;
     grip_ = 0.0;
@@ -147,7 +177,7 @@ class Device {
     if (samples_++ % kStatusTicks == 0) {
       std::array<int, 64> status{};
       if (sdk_.status(status.data(), id_) < 0) return lost();
-      isEnabled_ = status[kForce] != 0;
+      isEnabled_ = status[kForce] != 0 && status[kPower] != 0;
       const int cause = status[kForceOffCause];
       const bool isOffByUser = cause == kOffByButton || cause == kOffByProgram || cause == kOffByReleasedGrip;
       conditions_ = (status[kReset] != 0 ? std::uint32_t{ENAMEL_UNCALIBRATED} : 0U) |
@@ -181,12 +211,12 @@ class Device {
  private:
   void connect() {
     const int count = sdk_.deviceCount();
+    if (count <= 0) throw std::runtime_error(kNone);
     if (index_ >= count)
-      throw std::runtime_error("device " + std::to_string(index_) +
-                               " is missing: " + std::to_string(std::max(count, 0)) + " connected");
+      throw std::runtime_error("device " + std::to_string(index_) + " is missing: " + std::to_string(count) +
+                               " connected");
     const int opened = sdk_.openId(static_cast<char>(index_));
-    if (opened < 0)
-      throw std::runtime_error("device " + std::to_string(index_) + " does not open: " + sdk_.lastError());
+    if (opened < 0) throw std::runtime_error("device " + std::to_string(index_) + " does not open: " + sdk_.reason());
     id_ = static_cast<char>(opened);
     std::array<int, 64> status{};  // the SDK writes up to 17 numbers, depending on its version
     if (sdk_.status(status.data(), id_) >= 0 && status[kPower] != 0) return;
@@ -217,10 +247,18 @@ class Device {
 
 std::int32_t list(EnamelMessage devices, EnamelMessage message) noexcept {
   return guardedSetup(message, [&] {
-    const int count = Sdk("auto").deviceCount();
-    if (count <= 0) throw std::runtime_error("no device is connected, or it is not accessible (udev rules)");
+    const int count = std::min(Sdk("auto").deviceCount(), kMostDevices);
+    if (count <= 0) throw std::runtime_error(kNone);
     std::string lines;
-    for (int i = 0; i < count; ++i) lines += std::to_string(i) + "\t" + Device("auto", i).name() + "\n";
+    for (int i = 0; i < count; ++i) {
+      std::string text;  // one without power, or of another program, does not hide the others
+      try {
+        text = Device("auto", i).name();
+      } catch (const std::runtime_error& reason) {
+        text = std::string("cannot be opened: ") + reason.what();
+      }
+      lines += std::to_string(i) + "\t" + text + "\n";
+    }
     std::snprintf(devices.text, devices.size, "%s", lines.c_str());
   });
 }
@@ -231,7 +269,7 @@ std::int32_t connect(const char* address, const EnamelParameter* options, std::s
     const std::string text = *address == 0 ? "0" : address;
     int index = -1;
     const char* const end = text.data() + text.size();
-    if (std::from_chars(text.data(), end, index).ptr != end || index < 0 || index > 63)
+    if (std::from_chars(text.data(), end, index).ptr != end || index < 0 || index >= kMostDevices)
       throw std::runtime_error("the address \"" + text + "\" must be the number of a device, 0 to 63");
     auto device = std::make_unique<Device>(optionOf(kOptions[0], options, count), index);
     connected->joints = device->joints();
@@ -239,6 +277,7 @@ std::int32_t connect(const char* address, const EnamelParameter* options, std::s
     connected->delay_low = 0;
     connected->delay_high = 1;  // estimated: the command goes over USB
     connected->has_own_clock = 0;
+    std::snprintf(message.text, message.size, "%s", device->facts().c_str());
     connected->device =
         deviceTable(device.release(), [](void* user, double force) { return static_cast<Device*>(user)->grip(force); });
   });

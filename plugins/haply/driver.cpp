@@ -1,6 +1,6 @@
 // The driver of the Haply Inverse3 through the Haply Inverse service: a WebSocket on port 10001 with JSON messages. The
 // service answers each message with one state, so each tick sends one force, and the next tick reads the state that
-// answers it. lib/docs/devices.md has the page. Not yet tried on hardware.
+// answers it. lib/docs/haply.md has the page. Not yet tried on hardware.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -24,6 +24,7 @@ constexpr double kMaxForce = 6.0;           // N, of each axis, as in the device
 constexpr std::size_t kMostUnanswered = 8;  // messages; more means that the service hangs
 constexpr std::chrono::seconds kFirstMessage{1};
 constexpr const char* kAddress = "localhost:10001";
+constexpr const char* kNoDevice = "the service has no Inverse3: check its cable and power, and the vendor's Haply Hub";
 
 const char* const kDeviceFile =
 #include <inverse3_device.inl>
@@ -78,6 +79,8 @@ class Inverse3 {
     connect();
   }
 
+  const std::string& facts() const noexcept { return facts_; }
+
   void open() {
     if (!socket_ || socket_->isLost()) connect();
     isOpen_ = true;
@@ -113,9 +116,10 @@ class Inverse3 {
     std::memset(&m, 0, sizeof m);
     m.size = sizeof m;
     m.time = time_ = time;
-    m.enabled = 1;
+    m.enabled = device->hasPower ? 1 : 0;
     m.buttons = message.buttons;
-    m.conditions = device->isCalibrated ? 0U : std::uint32_t{ENAMEL_UNCALIBRATED};
+    m.conditions = (device->isCalibrated ? 0U : std::uint32_t{ENAMEL_UNCALIBRATED}) |
+                   (device->hasPower ? 0U : std::uint32_t{ENAMEL_FORCES_CUT});
     const Numbers& p = device->position;
     toWorld({p[0] - centre_[0], p[1] - centre_[1], p[2] - centre_[2]}, m.q);
     toWorld(device->velocity, m.rates);
@@ -143,15 +147,20 @@ class Inverse3 {
       if (device == nullptr && (wanted_ == "first" || message.devices[i].id == wanted_)) device = &message.devices[i];
     }
     if (device == nullptr)
-      throw std::runtime_error("the service has no Inverse3" +
-                               (found.empty() ? std::string() : " \"" + wanted_ + "\", only " + found));
+      throw std::runtime_error(found.empty() ? kNoDevice
+                                             : "the service has no Inverse3 \"" + wanted_ + "\", only " + found);
     if (device->id.size() > kIdBytes) throw std::runtime_error("the device_id is longer than 32 characters");
     if (!device->basis.empty() && device->basis != "XYZ")
       throw std::runtime_error("the service permutes its axes (basis " + std::string(device->basis) +
                                "): set the basis XYZ");
+    if (device->isTurned)
+      throw std::runtime_error("the service turns or scales its positions (preset \"" + std::string(device->preset) +
+                               "\", mount or workspace): set the preset defaults");
     if (!device->isCalibrated)
       throw std::runtime_error("the Inverse3 " + std::string(device->id) + " is not calibrated");
     id_ = device->id;
+    facts_ = std::string(device->type) + " " + id_ + ", firmware " + std::string(device->firmware) + ", preset " +
+             std::string(device->preset);
     sent_ = answered_ = 0;
   }
 
@@ -165,7 +174,7 @@ class Inverse3 {
   }
 
   Address address_;
-  std::string wanted_, id_;
+  std::string wanted_, id_, facts_;
   Numbers centre_;
   Format format_;
   std::unique_ptr<WebSocket> socket_;
@@ -191,19 +200,15 @@ Numbers numbersOf(const std::string& text) {
 
 std::int32_t list(EnamelMessage devices, EnamelMessage message) noexcept {
   return guardedSetup(message, [&] {
-    try {
-      const Address address = addressOf("");
-      WebSocket socket(address.host, address.port);
-      const Message first = readMessage(firstMessage(socket));
-      std::string lines;
-      for (std::size_t i = 0; i < first.count; ++i)
-        lines += std::string(kAddress) + "?id=" + std::string(first.devices[i].id) + "\t" +
-                 std::string(first.devices[i].type) + "\n";
-      if (lines.empty()) throw std::runtime_error("the service has no Inverse3");
-      std::snprintf(devices.text, devices.size, "%s", lines.c_str());
-    } catch (const std::exception& error) {
-      throw std::runtime_error(std::string(error.what()) + "; is the Haply Inverse service running?");
-    }
+    const Address address = addressOf("");
+    WebSocket socket(address.host, address.port);
+    const Message first = readMessage(firstMessage(socket));
+    std::string lines;
+    for (std::size_t i = 0; i < first.count; ++i)
+      lines += std::string(kAddress) + "?id=" + std::string(first.devices[i].id) + "\t" +
+               std::string(first.devices[i].type) + "\n";
+    if (lines.empty()) throw std::runtime_error(kNoDevice);
+    std::snprintf(devices.text, devices.size, "%s", lines.c_str());
   });
 }
 
@@ -220,6 +225,7 @@ std::int32_t connect(const char* address, const EnamelParameter* options, std::s
     connected->device_file = kDeviceFile;
     connected->delay_low = connected->delay_high = 1;  // a state answers the message of the tick before
     connected->has_own_clock = 0;
+    std::snprintf(message.text, message.size, "%s", device->facts().c_str());
     connected->device = deviceTable(device.release());
   });
 }

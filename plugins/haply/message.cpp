@@ -129,6 +129,38 @@ bool readNumbers(Reader& reader, Numbers& value) noexcept {
   return isRead[0] && isRead[1] && isRead[2];
 }
 
+// Return whether a transform has a rotation, or a scale other than 1. Its position only moves the centre.
+bool readTurn(Reader& reader) noexcept {
+  constexpr double kSame = 1e-3;
+  bool isTurned = false;
+  reader.object([&](std::string_view key) {
+    const bool isRotation = key == "rotation";
+    if (!isRotation && key != "scale") return void(reader.skip());
+    reader.object([&](std::string_view part) {
+      double value = 0.0;
+      if (reader.number(value) && part != "w") isTurned |= std::abs(value - (isRotation ? 0.0 : 1.0)) > kSame;
+    });
+  });
+  return isTurned;
+}
+
+void readConfig(Reader& reader, DeviceState& device) noexcept {
+  reader.object([&](std::string_view name) {
+    if (name == "type")
+      reader.text(device.type);
+    else if (name == "preset")
+      reader.text(device.preset);
+    else if (name == "extended_firmware_version")
+      reader.text(device.firmware);
+    else if (name == "mount")
+      device.isTurned |= readTurn(reader);
+    else if (name == "basis")
+      reader.object([&](std::string_view part) { part == "permutation" ? reader.text(device.basis) : reader.skip(); });
+    else
+      reader.skip();
+  });
+}
+
 void readDevice(Reader& reader, DeviceState& device) noexcept {
   bool hasPosition = false, hasVelocity = false;
   reader.object([&](std::string_view key) {
@@ -140,22 +172,19 @@ void readDevice(Reader& reader, DeviceState& device) noexcept {
           hasPosition = readNumbers(reader, device.position);
         else if (name == "cursor_velocity")
           hasVelocity = readNumbers(reader, device.velocity);
+        else if (name == "transform")
+          device.isTurned |= readTurn(reader);
         else
           reader.skip();
       });
     } else if (key == "config") {
-      reader.object([&](std::string_view name) {
-        if (name == "type")
-          reader.text(device.type);
-        else if (name == "basis")
-          reader.object(
-              [&](std::string_view part) { part == "permutation" ? reader.text(device.basis) : reader.skip(); });
-        else
-          reader.skip();
-      });
+      readConfig(reader, device);
     } else if (key == "status") {
-      reader.object(
-          [&](std::string_view name) { name == "calibrated" ? reader.boolean(device.isCalibrated) : reader.skip(); });
+      reader.object([&](std::string_view name) {
+        name == "calibrated"     ? reader.boolean(device.isCalibrated)
+        : name == "power_supply" ? reader.boolean(device.hasPower)
+                                 : reader.skip();
+      });
     } else {
       reader.skip();
     }
@@ -167,6 +196,10 @@ void readButtons(Reader& reader, std::uint32_t& buttons) noexcept {
   reader.object([&](std::string_view key) {
     if (key != "state") return void(reader.skip());
     reader.object([&](std::string_view name) {
+      if (bool isPressed = false; name == "button") {  // of a wired grip
+        if (reader.boolean(isPressed) && isPressed) buttons |= 1U;
+        return;
+      }
       if (name != "buttons") return void(reader.skip());
       reader.object([&](std::string_view button) {
         const bool isKnown = button.size() == 1 && button[0] >= 'a' && button[0] <= 'c';

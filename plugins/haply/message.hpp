@@ -15,17 +15,21 @@ inline constexpr std::size_t kIdBytes = 32, kMessageBytes = 512;
 
 /// One device of a message of the service.
 struct DeviceState {
-  std::string_view id, type, basis;  // type and basis: empty, except in the first message
-  Numbers position{}, velocity{};    // of the cursor
-  bool hasPosition = false;          // all numbers of both are there
-  bool isCalibrated = true;
+  // Only in the first message; otherwise empty:
+  std::string_view type, basis, preset, firmware;
+  bool isTurned = false;  // mount or workspace turn or scale the positions
+  // In each message:
+  std::string_view id;
+  Numbers position{}, velocity{};  // of the cursor
+  bool hasPosition = false;        // all numbers of both are there
+  bool isCalibrated = true, hasPower = true;
 };
 
 /// The devices of a message. Texts refer to the message.
 struct Message {
   std::array<DeviceState, 8> devices;
   std::size_t count = 0;      // at most 8; further ones are ignored
-  std::uint32_t buttons = 0;  // of the first grip: a, b, c are bits 0, 1, 2
+  std::uint32_t buttons = 0;  // of the first grip: a, b, c are bits 0, 1, 2; the only one of a wired grip is bit 0
   bool isValid = false;       // the text is JSON as expected
 };
 

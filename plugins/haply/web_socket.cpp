@@ -112,8 +112,10 @@ struct WebSocket::Impl {
     io.restart();
     while (!isDone && io.run_one_until(limit) > 0) {
     }
-    if (!isDone) throw std::runtime_error(std::string(what) + ": no answer within 2 s");
-    if (error) throw std::runtime_error(std::string(what) + ": " + error.message());
+    const std::string reason = !isDone ? "no answer within 2 s" : error.message();
+    if (!isDone || error)
+      throw std::runtime_error(std::string(what) + ": " + reason +
+                               "; is this the Haply Inverse service, and does it run?");
   }
 };
 

@@ -1,9 +1,10 @@
 // The driver of 3D Systems' Touch and Phantom through the functions that OpenHaptics documents (HD API, libHD, opened
-// at run time). The scheduler of the vendor calls frame() in its own thread. lib/docs/devices.md has the page. Not yet
+// at run time). The scheduler of the vendor calls frame() in its own thread. lib/docs/touch.md has the page. Not yet
 // tried on hardware. Names and values: "OpenHaptics Toolkit, API Reference Guide" and its header hdDefines.h.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -22,25 +23,30 @@ constexpr int kJoints = 6;                                          // the stylu
 constexpr unsigned kButtons = 0x2000;                               // HD_CURRENT_BUTTONS
 constexpr unsigned kPosition = 0x2050, kTransform = 0x2052;         // HD_CURRENT_..., mm
 constexpr unsigned kForce = 0x2700;                                 // HD_CURRENT_FORCE, N
-constexpr unsigned kModel = 0x2501, kSerial = 0x2504;               // HD_DEVICE_MODEL_TYPE, HD_DEVICE_SERIAL_NUMBER
+constexpr unsigned kVersion = 0x2500, kModel = 0x2501;              // HD_VERSION, HD_DEVICE_MODEL_TYPE
+constexpr unsigned kDriver = 0x2502, kSerial = 0x2504;              // HD_DEVICE_DRIVER_VERSION, ..._SERIAL_NUMBER
+constexpr unsigned kFirmware = 0x2505;                              // HD_DEVICE_FIRMWARE_VERSION
 constexpr unsigned kUsableWorkspace = 0x2551;                       // its lowest and highest corner, mm
 constexpr unsigned kCalibrationStyle = 0x2555, kMaxForce = 0x2603;  // HD_NOMINAL_MAX_FORCE, N
+constexpr unsigned kMaxStiffness = 0x2602, kMaxDamping = 0x2609;    // HD_NOMINAL_MAX_..., N/mm, N s/mm
+constexpr unsigned kContinuousForce = 0x2604;                       // HD_NOMINAL_MAX_CONTINUOUS_FORCE, N
 constexpr unsigned kMotorTemperature = 0x2605;                      // of each motor, 0 to 1
 constexpr unsigned kForceOutput = 0x4000;                           // HD_FORCE_OUTPUT
 constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;     // results of hdCheckCalibration()
 constexpr unsigned kInvalid = 0xFFFFFFFF;                           // HD_INVALID_HANDLE
 constexpr unsigned kContinue = 1;                                   // HD_CALLBACK_CONTINUE
 constexpr unsigned short kHighest = 0xFFFF;                         // HD_MAX_SCHEDULER_PRIORITY
-constexpr unsigned kRate = 1000;                                    // of the scheduler, Hz
-constexpr int kSilent = 20;  // frames without a command, after which the force is zero: the vendor repeats the last
-constexpr int kCut = 100;    // frames without forces after the device refused one
-constexpr int kSlow = 100;   // frames between two readings of temperatures and calibration
-constexpr std::size_t kMotors = 8;                       // room for the temperatures; the devices have three or six
+constexpr double kSilent = 0.02;    // s without a command, after which the force is zero: the vendor repeats the last
+constexpr double kCut = 0.1;        // s without forces after the device refused one
+constexpr double kSlow = 0.1;       // s between two readings of temperatures and calibration
+constexpr std::size_t kMotors = 8;  // room for the temperatures; the devices have three or six
+constexpr unsigned kRate = 1000;    // of the scheduler, Hz
 constexpr double kTouchForce = 3.3, kTouchXForce = 7.9;  // N, as in the device files
 constexpr const char* kName = "Default Device";
 
 const EnamelParameter kOptions[] = {
-    {"library", "auto", "file of the vendor's library; auto: libHD.so where the system finds it"},
+    {"library", "auto", "file of the vendor's library; auto: libHD.so or hd.dll where the system finds it"},
+    {"rate", "1000", "of the vendor's scheduler, Hz, the same as that of the ticks (--rate); few devices have others"},
 };
 const EnamelDescription kDescription = {"openhaptics", "0.2.0", "3D Systems Touch and Phantom through OpenHaptics",
                                         kOptions, sizeof kOptions / sizeof kOptions[0]};
@@ -54,7 +60,7 @@ const char* const kTouchX =
 
 // The functions of the HD API that the driver uses.
 struct Sdk {
-  explicit Sdk(const std::string& file) : library(file, {"libHD.so.3.4", "libHD.so"}) {
+  explicit Sdk(const std::string& file) : library(file, {"libHD.so.3.4", "libHD.so"}, {"hd.dll"}) {
     library.bind("hdInitDevice", init);
     library.bind("hdDisableDevice", disableDevice);
     library.bind("hdMakeCurrentDevice", makeCurrent);
@@ -122,7 +128,9 @@ struct State {
 
 class Device {
  public:
-  Device(const std::string& file, std::string name) : sdk_(file), name_(std::move(name)) { initialise(); }
+  Device(const std::string& file, std::string name, unsigned rate) : sdk_(file), name_(std::move(name)), rate_(rate) {
+    initialise();
+  }
   ~Device() {
     close();
     release();
@@ -130,8 +138,24 @@ class Device {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  std::string model() const { return sdk_.text(kModel); }
-  std::string serial() const { return sdk_.text(kSerial); }
+  std::string model() const { return stringOf(kModel); }
+  std::string serial() const { return stringOf(kSerial); }
+
+  // Model, versions and the vendor's limits, for reports.
+  std::string facts() const {
+    sdk_.makeCurrent(handle_);
+    char limits[160];
+    std::snprintf(limits, sizeof limits,
+                  "; at most %.3g N, %.3g N continuously; the vendor's springs up to %.3g N/m and %.3g N s/m",
+                  numberOf(kMaxForce), numberOf(kContinuousForce), 1e3 * numberOf(kMaxStiffness),
+                  1e3 * numberOf(kMaxDamping));
+    char firmware[40];
+    std::snprintf(firmware, sizeof firmware, ", firmware %g", numberOf(kFirmware));
+    const std::string text = model() + ", serial number " + serial() + firmware + ", driver " + stringOf(kDriver) +
+                             ", HD API " + stringOf(kVersion) + limits;
+    (void)sdk_.takeError();  // an old version may not know all of them
+    return text;
+  }
   bool isTouchX() const {
     return model().find("Touch X") != std::string::npos || model().find("Desktop") != std::string::npos;
   }
@@ -146,7 +170,7 @@ class Device {
     cut_ = silent_ = 0;
     frames_ = 0;
     sdk_.enable(kForceOutput);
-    sdk_.setRate(kRate);
+    sdk_.setRate(rate_);
     task_ = sdk_.schedule(
         [](void* user) {
           static_cast<Device*>(user)->frame();
@@ -202,6 +226,16 @@ class Device {
   }
 
  private:
+  std::string stringOf(unsigned name) const {
+    const char* const text = sdk_.text(name);
+    return text == nullptr ? "unknown" : text;
+  }
+  double numberOf(unsigned name) const {
+    double value = 0.0;
+    sdk_.doubles(name, &value);
+    return value;
+  }
+
   void initialise() {
     release();
     (void)sdk_.takeError();
@@ -215,8 +249,7 @@ class Device {
     double corners[6] = {};
     sdk_.doubles(kUsableWorkspace, corners);
     centre_ = 0.5 * (Eigen::Map<const Vector3d>(corners) + Eigen::Map<const Vector3d>(corners + 3));
-    double nominal = 0.0;
-    sdk_.doubles(kMaxForce, &nominal);
+    const double nominal = numberOf(kMaxForce);
     largest_ = isTouchX() ? kTouchXForce : kTouchForce;
     if (nominal > 0.0) largest_ = std::min(largest_, nominal);
     (void)sdk_.takeError();
@@ -245,6 +278,8 @@ class Device {
     command_.publish();
   }
 
+  int framesIn(double time) const noexcept { return static_cast<int>(time * rate_); }
+
   // One frame, in the thread of the vendor.
   void frame() noexcept {
     State& s = state_.next();
@@ -253,27 +288,29 @@ class Device {
     sdk_.doubles(kPosition, s.position);
     sdk_.doubles(kTransform, s.transform);
     sdk_.integers(kButtons, &s.buttons);
-    if (frames_++ % kSlow == 0) {
+    if (frames_ == 0) {
       std::array<double, kMotors> heat{};
       sdk_.doubles(kMotorTemperature, heat.data());
       heat_ = *std::max_element(heat.begin(), heat.end());
       isCalibrated_ = sdk_.checkCalibration() == kCalibrated;
     }
+    frames_ = (frames_ + 1) % framesIn(kSlow);
     s.heat = heat_;
     s.isCalibrated = isCalibrated_;
     const HdError e = sdk_.takeError();  // of this frame, and of the end of the frame before
-    cut_ = isCut(e.code) ? kCut : std::max(cut_ - 1, 0);
+    cut_ = isCut(e.code) ? framesIn(kCut) : std::max(cut_ - 1, 0);
     s.isCut = cut_ > 0;
     s.isLost = e.code != 0 && !isCut(e.code);
     state_.publish();
     silent_ = command_.refresh() ? 0 : silent_ + 1;
     const std::array<double, 3> none{};
-    sdk_.setDoubles(kForce, silent_ < kSilent ? command_.latest().data() : none.data());
+    sdk_.setDoubles(kForce, silent_ < framesIn(kSilent) ? command_.latest().data() : none.data());
     sdk_.endFrame(handle_);
   }
 
   Sdk sdk_;
   std::string name_;  // "": the default
+  unsigned rate_;     // of the scheduler, Hz
   unsigned handle_ = kInvalid;
   unsigned long task_ = 0;
   bool isOpen_ = false, isLost_ = false;
@@ -283,7 +320,7 @@ class Device {
   DriverRates rates_;
   // Of the vendor's thread:
   int cut_ = 0, silent_ = 0;
-  std::uint64_t frames_ = 0;
+  int frames_ = 0;
   double heat_ = 0.0;  // share of the limit
   bool isCalibrated_ = true;
   TripleBuffer<State> state_;
@@ -292,7 +329,7 @@ class Device {
 
 std::int32_t list(EnamelMessage devices, EnamelMessage message) noexcept {
   return guardedSetup(message, [&] {
-    const Device device("auto", "");
+    const Device device("auto", "", kRate);
     std::snprintf(devices.text, devices.size, "%s\t%s %s\n", kName, device.model().c_str(), device.serial().c_str());
   });
 }
@@ -300,12 +337,18 @@ std::int32_t list(EnamelMessage devices, EnamelMessage message) noexcept {
 std::int32_t connect(const char* address, const EnamelParameter* options, std::size_t count, EnamelConnected* connected,
                      EnamelMessage message) noexcept {
   return guardedSetup(message, [&] {
-    auto device = std::make_unique<Device>(optionOf(kOptions[0], options, count), address);
+    const std::string rate = optionOf(kOptions[1], options, count);
+    const char* const end = rate.data() + rate.size();
+    unsigned hertz = 0;
+    if (std::from_chars(rate.data(), end, hertz).ptr != end || hertz < 500 || hertz > 10000)
+      throw std::runtime_error("rate is \"" + rate + "\", must be 500 to 10000 Hz");
+    auto device = std::make_unique<Device>(optionOf(kOptions[0], options, count), address, hertz);
     connected->joints = kJoints;
     connected->device_file = device->isTouchX() ? kTouchX : kTouch;
     connected->delay_low = 1;  // a force leaves with the next frame, or the one after
     connected->delay_high = 2;
     connected->has_own_clock = 1;
+    std::snprintf(message.text, message.size, "%s", device->facts().c_str());
     connected->device = deviceTable(device.release());
   });
 }

@@ -233,7 +233,7 @@ TEST_CASE("a device is connected with its file, delay and options, and disconnec
     CHECK(connected.device->measure(sample) == Status::inactive);
   }
   CHECK(connections == 0);
-  CHECK_THROWS_WITH(connectDriver(library, "7", {}), ContainsSubstring("code 9: there is only 0"));
+  CHECK_THROWS_WITH(connectDriver(library, "7", {}), ContainsSubstring("point: there is only 0"));
   CHECK_THROWS_WITH(connectDriver(library, "0", {{"colour", "blue"}}), ContainsSubstring("colour must be red"));
   CHECK_THROWS_WITH(connectDriver(library, "0", {{"size", "1"}}),
                     ContainsSubstring("unknown option \"size\", possible are colour"));

@@ -1,10 +1,13 @@
 // The driver of Force Dimension with a stand-in of the vendor's library: devices, axes, moments, faults, and a wall.
+#include <filesystem>
+
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/session/session.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/driver_bench.hpp"
+#include "support/unplugged_session.hpp"
 
 namespace enamel::test_forcedimension {
 
@@ -23,6 +26,7 @@ struct StandIn : test::StandIn {
       set(fault, 0.0);
     set("power", 1.0);
     set("count", 1.0);
+    set("busy", -1.0);
     set("model", 3.0);
   }
 };
@@ -40,7 +44,9 @@ TEST_CASE("the Force Dimension driver keeps the contract on each device, and all
   for (const auto& [model, file] :
        {std::pair<double, const char*>{3.0, "omega-3.toml"}, {6.0, "omega-6.toml"}, {7.0, "sigma-7.toml"}}) {
     standIn.set("model", model);
-    CHECK(openAt(urlOf()).text == readFile(test::deviceFile(file)));
+    const OpenedDevice opened = openAt(urlOf());
+    CHECK(opened.text == readFile(test::deviceFile(file)));
+    CHECK_THAT(opened.facts, ContainsSubstring(", SDK 3.17.6.0"));
     test::checkContract("forcedimension", kLibrary);
   }
   test::checkByCommand("forcedimension", "0?library=" + kLibrary);
@@ -56,7 +62,7 @@ TEST_CASE("refusals of the Force Dimension driver give the reason", "[forcedimen
   refuses("forcedimension://one?library=" + kLibrary, "must be the number of a device, 0 to 63");
   refuses(urlOf("1"), "device 1 is missing: 1 connected");
   standIn.set("count", 0.0);
-  refuses(urlOf(), "device 0 is missing: 0 connected");
+  refuses(urlOf(), "no device is connected, or it has no power or is not accessible");
   standIn.set("count", 1.0);
   standIn.set("power", 0.0);
   refuses(urlOf(), "the omega.3 has no power");
@@ -134,6 +140,10 @@ TEST_CASE("faults of a Force Dimension device are missing samples, a disabled de
   standIn.set("early", 0.0);
   CHECK(bench.tick() == Status::ok);
   CHECK(bench.sample.conditions == 0);
+  standIn.set("power", 0.0);  // the power supply fails
+  REQUIRE(bench.soon([&] { return !bench.sample.enabled && bench.sample.conditions == kForcesCut; }));
+  standIn.set("power", 1.0);
+  REQUIRE(bench.soon([&] { return bench.sample.enabled && bench.sample.conditions == 0; }));
   standIn.set("forces", 0.0);
   standIn.set("off-cause", 1.0);  // the force button
   REQUIRE(bench.soon([&] { return !bench.sample.enabled; }));
@@ -200,13 +210,44 @@ TEST_CASE("a session sets the force of the gripper, and the guard removes it", "
     });
   };
   REQUIRE(has(2.0));
-  CHECK(session.snapshot().tick.measurement.gripper == 0.25);
+  // 2 N open the fingers by 0.2 rad.
+  CHECK(test::eventually([&] { return session.snapshot().tick.measurement.gripper == 0.25 + 0.1 * 2.0; }));
   session.enable(false);
   CHECK(has(0.0));
   session.enable(true);
   CHECK(has(2.0));
   session.stop();
   CHECK(standIn.force(6) == 0.0);
+}
+
+TEST_CASE(
+    "a session stops when the device of the Force Dimension driver is unplugged in contact, and continues after a "
+    "reset",
+    "[forcedimension]") {
+  StandIn standIn;
+  SessionDef def;
+  def.device = urlOf();
+  def.pluginFolder = kFolder;
+  test::checkUnpluggedInContact(
+      def, 2e-3, [&](bool on) { standIn.set("unplugged", on); },
+      [&] { return std::abs(standIn.force(0)); });  // 2 mm inside
+}
+
+TEST_CASE("the command prints what a Force Dimension device reports", "[forcedimension]") {
+  test::checkReported("model 7 button 1 gripper 0.3 reset 1", urlOf(),
+                      {"device: sigma.7, SDK 3.17.6.0", "the device is not calibrated",
+                       "buttons pressed: 0; gripper 0.300", "; not calibrated in "});
+}
+
+TEST_CASE("a device without access does not hide the others in the list", "[forcedimension]") {
+  StandIn standIn;
+  const test::TemporaryFolder folder;
+  std::filesystem::create_symlink(kLibrary, folder / "libdhd.so.3");
+  const auto result = test::runCommand("ENAMEL_STAND_IN='count 2 busy 0' LD_LIBRARY_PATH='" + folder / "" +
+                                       "' '" ENAMEL_TOOL "' devices");
+  INFO(result.output);
+  CHECK_THAT(result.output, ContainsSubstring("forcedimension://0  cannot be opened: device 0 does not open") &&
+                                ContainsSubstring("connected: forcedimension://1  omega.3"));
 }
 
 }  // namespace enamel::test_forcedimension

@@ -13,6 +13,7 @@
 #include "support/driver_bench.hpp"
 #include "support/haply_service.hpp"
 #include "support/process.hpp"
+#include "support/unplugged_session.hpp"
 
 namespace enamel::test_haply {
 
@@ -58,6 +59,15 @@ TEST_CASE("messages of the Haply service are read in any order, and others are r
   CHECK(d.position == haply::Numbers{0.5, -0.25, 1.0});
   CHECK(d.velocity == haply::Numbers{-1.0, 2.0, 0.3});
   CHECK_FALSE(message.devices[1].hasPosition);
+  CHECK(readMessage(R"({"verse_grip":[{"state":{"hall":0,"button":true}}]})").buttons == 1);
+  for (const char* turned : {R"("config":{"mount":{"rotation":{"w":0,"x":0,"y":0,"z":1}}})",
+                             R"("config":{"mount":{"scale":{"x":1,"y":2,"z":1}}})",
+                             R"("state":{"transform":{"rotation":{"w":0.7,"x":0.7}}})"})
+    CHECK(readMessage(std::string(R"({"inverse3":[{)") + turned + "}]}").devices[0].isTurned);
+  CHECK_FALSE(readMessage(R"({"inverse3":[{"config":{"mount":{"position":{"x":1,"y":2,"z":3},
+       "rotation":{"w":1,"x":0,"y":0,"z":0},"scale":{"x":1,"y":1,"z":1}}}}]})")
+                  .devices[0]
+                  .isTurned);
 
   const std::string deep(100, '['), valid = R"({"inverse3":[{"device_id":"1"}]})";
   for (const std::string& bad :
@@ -96,7 +106,7 @@ TEST_CASE("commands of the Haply service have both formats", "[haply]") {
 TEST_CASE("the Haply driver keeps the contract of drivers, and allocates nothing in a tick", "[haply]") {
   const HaplyService service(kFile, 0.02, 0.01);
   // In another process: the service allocates.
-  const auto check = test::run("check-driver haply '" + service.address() + "?id=049D'");
+  const auto check = test::run("check-driver 'haply://" + service.address() + "?id=049D&delay=1'");
   INFO(check.output);
   CHECK(check.status == 0);
   CHECK_THAT(check.output, ContainsSubstring("the plugin keeps the contract") && ContainsSubstring("Haply Inverse3"));
@@ -110,7 +120,10 @@ TEST_CASE("refusals of the Haply driver give the reason", "[haply]") {
   const auto refuses = [&](const std::string& url, const std::string& message) {
     CHECK_THROWS_WITH(openAt(url), ContainsSubstring('"' + url + '"') && ContainsSubstring(message));
   };
-  refuses("haply://127.0.0.1:1", "127.0.0.1:1: Connection refused");
+  refuses("haply://127.0.0.1:1", "127.0.0.1:1: Connection refused; is this the Haply Inverse service");
+  const auto check = test::run("check-driver haply 127.0.0.1:1");  // not a fault of the driver
+  CHECK(check.status != 0);
+  CHECK_THAT(check.output, ContainsSubstring("Connection refused") && !ContainsSubstring("contract"));
   refuses("haply://127.0.0.1", "must be HOST:PORT, such as localhost:10001");
   refuses("haply://127.0.0.1:99999", "must be HOST:PORT");
   refuses(urlOf(service, "?id=7"), "the service has no Inverse3 \"7\", only 049D");
@@ -124,12 +137,16 @@ TEST_CASE("refusals of the Haply driver give the reason", "[haply]") {
   service.isUncalibrated = false;
   service.isPermuted = true;
   refuses(urlOf(service), "basis XZY");
+  service.isPermuted = false;
+  service.isTurned = true;
+  refuses(urlOf(service), "turns or scales its positions (preset \"defaults\", mount or workspace)");
 }
 
 TEST_CASE("samples, forces and buttons have the axes of W", "[haply]") {
   HaplyService service(kFile, 0.02, 0.01);
   Bench bench(service);
   CHECK(bench.opened.text == readFile(kFile));
+  CHECK(bench.opened.facts == "inverse3 049D, firmware 8C20, preset defaults");
   REQUIRE(bench.samplesAgain());
   CHECK(service.hasProfile);
   CHECK(bench.sample.buttons == 2);
@@ -217,38 +234,22 @@ TEST_CASE("faults of the Haply service are missing samples or a lost device, and
     service.isUncalibrated = true;
     REQUIRE(bench.soon([&] { return bench.sample.conditions == kUncalibrated; }));
   }
+  SECTION("the device loses its power supply") {
+    service.hasNoPower = true;
+    REQUIRE(bench.soon([&] { return bench.sample.conditions == kForcesCut && !bench.sample.enabled; }));
+    service.hasNoPower = false;
+    REQUIRE(bench.soon([&] { return bench.sample.conditions == 0 && bench.sample.enabled; }));
+  }
 }
 
 TEST_CASE("a session feels a wall with the Haply driver, and stops when the device is unplugged in contact",
           "[haply]") {
-  HaplyService service(kFile, 0.010, -0.010);
+  HaplyService service(kFile, 0.0, -0.004);
   SessionDef def;
   def.device = urlOf(service);
   def.pluginFolder = kFolder;
-  Session session(def);
-  (void)session.add({flatWall().obstacles()[0]});
-  // On a busy machine a tick may come late. Then start again.
-  const auto touches = [&] {
-    if (session.snapshot().fault != GuardReason::none) session.reset();
-    return session.snapshot().tick.mode == RenderMode::contact && session.snapshot().fault == GuardReason::none;
-  };
-  session.startOpened();
-  REQUIRE(test::eventually([&] { return touches() && service.largestForce > 0.3; }));
-  service.isUnplugged = true;
-  REQUIRE(test::eventually([&] { return session.snapshot().fault != GuardReason::none; }));
-  CHECK(test::eventually([&] { return session.snapshot().tick.command.effort.isZero(1e-12); }));
-  CHECK(test::eventually([&] {
-    for (SessionEvent event; session.nextEvent(event);)
-      if (event.kind == EventKind::deviceLost) return true;
-    return false;
-  }));
-  service.isUnplugged = false;
-  // It comes back only after a reset.
-  REQUIRE(test::eventually([&] { return session.snapshot().tick.device == Status::ok; }));
-  CHECK(session.snapshot().fault != GuardReason::none);
-  CHECK(session.snapshot().tick.command.effort.isZero(1e-12));
-  CHECK(test::eventually(touches));
-  session.stop();
+  test::checkUnpluggedInContact(
+      def, 0.002, [&](bool on) { service.isUnplugged = on; }, [&] { return service.newestForce().norm(); });
 }
 
 TEST_CASE("the command says that a device is lost, waits for it, and continues after Enter", "[haply]") {

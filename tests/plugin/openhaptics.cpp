@@ -1,10 +1,13 @@
 // The driver of OpenHaptics with a stand-in of the vendor's library: devices, axes, errors, a silent host, and a wall.
+#include <filesystem>
+
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/session/session.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/driver_bench.hpp"
+#include "support/unplugged_session.hpp"
 
 namespace enamel::test_openhaptics {
 
@@ -41,6 +44,10 @@ TEST_CASE("the OpenHaptics driver keeps the contract on each device, and allocat
     const OpenedDevice opened = openAt(urlOf(""));  // the default device
     CHECK(opened.text == readFile(test::deviceFile(file)));
     CHECK(opened.poll > 0.0);  // the loop follows the vendor's scheduler
+    CHECK(opened.facts == std::string(isX != 0.0 ? "Touch X" : "Touch") +
+                              ", serial number S-1, firmware 1.5, driver 2023.1, HD API 3.50; at most " +
+                              (isX != 0.0 ? "7.9" : "3.3") +
+                              " N, 0.88 N continuously; the vendor's springs up to 500 N/m and 2 N s/m");
   }
   standIn.set("touch-x", 0.0);
   test::checkContract("openhaptics", kLibrary);
@@ -54,6 +61,7 @@ TEST_CASE("refusals of the OpenHaptics driver name the error, its number, and wh
   };
   refuses("openhaptics://?library=/nowhere.so", "the vendor's library cannot be opened: /nowhere.so");
   refuses("openhaptics://?library=" + kFolder + "/enamel_template.so", "has no function hdInitDevice");
+  refuses(urlOf() + "&rate=fast", "rate is \"fast\", must be 500 to 10000 Hz");
   refuses(urlOf("Left"), "the device \"Left\" does not open: HD_DEVICE_FAULT (0x0300, internal -7): check the name");
   standIn.set("absent", 0x0600);
   refuses(urlOf(), "HD_INVALID_LICENSE (0x0600, internal -7): install the licence");
@@ -177,6 +185,33 @@ TEST_CASE("a session feels a wall with the OpenHaptics driver", "[openhaptics]")
     return session.snapshot().tick.mode == RenderMode::contact && std::abs(standIn.force().z() - 0.2) < 0.05;
   }));
   session.stop();
+}
+
+TEST_CASE(
+    "a session stops when the device of the OpenHaptics driver is unplugged in contact, and continues after a reset",
+    "[openhaptics]") {
+  StandIn standIn;
+  SessionDef def;
+  def.device = urlOf();
+  def.pluginFolder = kFolder;
+  test::checkUnpluggedInContact(
+      def, 2e-3, [&](bool on) { standIn.set("unplugged", on); },
+      [&] { return std::abs(standIn.force().z()); });  // 2 mm inside
+}
+
+TEST_CASE("the command prints what a Touch reports", "[openhaptics]") {
+  test::checkReported("button 1 heat 0.7 warm 1", urlOf(),
+                      {"device: Touch, serial number S-1, firmware 1.5", "springs up to 500 N/m",
+                       "the device has cut its forces by itself", "buttons pressed: 1; hottest motor 70 % of its limit",
+                       "; forces cut by the device in "});
+}
+
+TEST_CASE("the list has a Touch whose library the system finds", "[openhaptics]") {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_symlink(kLibrary, folder / "libHD.so");
+  const auto result = test::runCommand("LD_LIBRARY_PATH='" + folder / "" + "' '" ENAMEL_TOOL "' devices");
+  INFO(result.output);
+  CHECK_THAT(result.output, ContainsSubstring("connected: openhaptics://Default Device  Touch S-1"));
 }
 
 }  // namespace enamel::test_openhaptics

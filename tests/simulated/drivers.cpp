@@ -22,19 +22,20 @@
 #include "support/driver_rigs.hpp"
 #include "support/first_touch_trial.hpp"
 #include "support/run_length.hpp"
+#include "support/stepped_device.hpp"
 
-namespace {
-std::atomic<std::int64_t> clock_ns{1'000'000'000'000};
-}
+std::atomic<std::int64_t> enamel::test::clock_ns{1'000'000'000'000};
 
 std::chrono::steady_clock::time_point std::chrono::steady_clock::now() noexcept {
-  return time_point(std::chrono::nanoseconds(clock_ns.load()));
+  return time_point(std::chrono::nanoseconds(enamel::test::clock_ns.load()));
 }
 
 namespace enamel::test_drivers {
 
+using test::clock_ns;
 using test::openAt;
 using test::Rig;
+using test::SteppedDevice;
 
 namespace {
 
@@ -42,33 +43,6 @@ constexpr double kPeriod = 1e-3, kHandPeriod = 1.0,
                  kHandWay = 4e-3;  // s, s, m: the hand moves by +-4 mm about the wall
 constexpr double kRampOut = 0.1;   // s, after which a fault must have removed every force
 constexpr double kRest = 0.3;      // s, from the end of a fault to the reset: nothing may come back before it
-
-// The device of a driver: each measure() is a step of the simulated time.
-class SteppedDevice final : public HapticDevice {
- public:
-  SteppedDevice(std::unique_ptr<HapticDevice> device, const Rig& rig, double step)
-      : device_(std::move(device)), rig_(rig), step_(step) {}
-  void open() override { device_->open(); }
-  void close() noexcept override { device_->close(); }
-  [[nodiscard]] Status measure(Measurement& m) noexcept override {
-    clock_ns += static_cast<std::int64_t>(1e9 * step_);
-    steps_ += step_;
-    if ((passed_ += step_) > 0.999 * kPeriod) {
-      passed_ = 0.0;
-      rig_.period();
-    }
-    Status status = device_->measure(m);
-    if (rig_.await) rig_.await(*device_, m, status);
-    return status;
-  }
-  [[nodiscard]] Status actuate(const Command& command) noexcept override { return device_->actuate(command); }
-  double time() const noexcept { return steps_; }
-
- private:
-  std::unique_ptr<HapticDevice> device_;
-  const Rig& rig_;
-  double step_, steps_ = 0.0, passed_ = 0.0;  // s
-};
 
 struct Result {
   std::map<std::string, int> faults;                     // begun
@@ -307,26 +281,29 @@ void compare(const std::string& name, const Rig& rig, const Tasks& tasks) {
     compareOn(kImperfect, name, rig, tasks);
 }
 
-// The first trial passes with the driver as it is, and names each single mistake of it.
-// Make the first trial without a mistake, and with so many of the single mistakes.
-void tryFirst(const std::string& name, const Rig& rig, std::size_t mistakes = std::size(test::kMistakes)) {
-  const auto tried = [&](test::Mistake mistake) {
+// The first trial passes with the driver as it is, and names each single mistake of it; without `all` the first one.
+void tryFirst(const std::string& name, const Rig& rig, bool hasMoments = false, bool all = test::longRun()) {
+  const auto tried = [&](const test::Mistake& mistake) {
     OpenedDevice opened = openAt(rig.url);
     opened.device = std::make_unique<SteppedDevice>(std::move(opened.device), rig, kPeriod);
-    return test::tryOut(std::move(opened), mistake,
-                        [&](const Vec3& place, double stiffness) { rig.hold(place, stiffness, 4.0); });
+    return test::tryOut(std::move(opened), mistake, [&](const test::TrialHand& hand) {
+      rig.hold(hand.place, hand.stiffness, 4.0);
+      if (rig.turn) rig.turn(hand.turn, hand.gripper);
+    });
   };
-  const FirstTouchResult good = tried(test::Mistake::none);
+  const FirstTouchResult good = tried({});
   INFO(name << "\n" << good.report);
   CHECK(good.surprise.empty());
   CHECK(good.isComplete);
-  for (std::size_t i = 0; i < mistakes; ++i) {
-    const auto& [mistake, words] = test::kMistakes[i];
+  int count = 0;
+  test::forEachMistake(static_cast<bool>(rig.turn), hasMoments, hasMoments, [&](const test::Mistake& mistake) {
+    if (count++ > 0 && !all) return;
     const FirstTouchResult result = tried(mistake);
-    INFO(name << ", expected: " << words << "\n" << result.report);
-    CHECK_THAT(result.surprise, test::ContainsSubstring(words));
+    INFO(name << ", " << mistake.what << ", expected: " << mistake.words << "\n" << result.report);
+    CHECK(test::names(result.surprise, mistake.words));
     CHECK_FALSE(result.isComplete);
-  }
+  });
+  std::cout << name << ": first trial, " << (all ? count : 1) << " mistakes named\n";
 }
 
 }  // namespace
@@ -361,7 +338,11 @@ TEST_CASE("position control learns the delay of the device", "[drivers]") {
     }
 }
 
-TEST_CASE("the first trial with the Force Dimension driver", "[drivers]") { tryFirst("omega.3", test::DhdRig().rig); }
+TEST_CASE("the first trial with the Force Dimension driver", "[drivers]") {
+  tryFirst("omega.3", test::DhdRig(3).rig);
+  tryFirst("omega.6", test::DhdRig(6).rig);
+  tryFirst("sigma.7", test::DhdRig(7).rig, true, true);  // its mistakes are also those of the others
+}
 #endif
 
 #ifdef ENAMEL_HD_STAND_IN
@@ -456,9 +437,7 @@ TEST_CASE("tasks of the comparison through the Haply driver", "[drivers]") {
 }
 
 // Each takes seven seconds, because every tick passes through a socket.
-TEST_CASE("the first trial with the Haply driver", "[drivers]") {
-  tryFirst("Inverse3", test::HaplyRig().rig, test::longRun() ? std::size(test::kMistakes) : 1);
-}
+TEST_CASE("the first trial with the Haply driver", "[drivers]") { tryFirst("Inverse3", test::HaplyRig().rig); }
 #endif
 
 }  // namespace enamel::test_drivers

@@ -14,8 +14,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct StandIn {
-  int model = 3;  // axes: 3, 6 (the wrist has no motors), 7 (with a gripper)
-  int count = 1;
+  int model = 3;             // axes: 3, 6 (the wrist has no motors), 7 (with a gripper)
+  int count = 1, busy = -1;  // busy: the index of a device of another program
   bool isOpen = false, hasPower = true, forces = false, button = false, isUnplugged = false, isEarly = false;
   bool needsCalibration = false;
   int offCause = 0;  // of the forces
@@ -25,6 +25,7 @@ struct StandIn {
   Vec3 turn = Vec3::Zero();                 // of the hand's target, axes of the SDK, rad
   Vec3 place = Vec3::Zero();                // of the hand, W, m
   double stiffness = 100.0, damping = 5.0;  // of the hand, N/m, N s/m
+  double gripper = 0.25, angle = 0.25;      // of the hand's fingers and of the gripper that follows them, rad
 };
 StandIn s;
 
@@ -50,16 +51,18 @@ void advance() {
 #pragma GCC visibility push(default)
 extern "C" {
 
-// what: "model" (3, 6, 7), "count", "power", "button", "unplugged", "early", "forces", "off-cause", "reset"; of the hand:
-// "stiffness", "damping", "place-x" to "place-z" (W), "turn-x" to "turn-z" (axes of the SDK).
+// what: "model" (3, 6, 7), "count", "busy", "power", "button", "unplugged", "early", "forces", "off-cause", "reset". Of
+// the hand: "stiffness", "damping", "gripper", "place-x" to "place-z" (W), "turn-x" to "turn-z" (axes of the SDK).
 void dhdStandIn(const char* what, double value) {
   const auto is = [what](const char* name) { return std::strcmp(what, name) == 0; };
   if (is("model")) s.model = static_cast<int>(value);
   if (is("count")) s.count = static_cast<int>(value);
+  if (is("busy")) s.busy = static_cast<int>(value);
   if (is("power")) s.hasPower = value != 0.0;
   if (is("button")) s.button = value != 0.0;
   if (is("stiffness")) s.stiffness = value;
   if (is("damping")) s.damping = value;
+  if (is("gripper")) s.gripper = value;
   if (is("unplugged")) s.isUnplugged = value != 0.0;
   if (s.isUnplugged) {  // nothing drives the motors any more
     s.forces = s.isOpen = false;
@@ -79,11 +82,12 @@ void dhdStandInShow(const Measurement* sample) { s.device->show(*sample); }
 
 int dhdGetDeviceCount() { return s.count; }
 int dhdOpenID(char index) {
-  if (index >= s.count || s.isUnplugged) return -1;
+  if (index >= s.count || s.isUnplugged || index == s.busy) return -1;
   const char* const files[] = {"omega-3.toml", "omega-6.toml", "sigma-7.toml"};
   s.device = std::make_unique<test::HeldDevice>(files[s.model == 3 ? 0 : s.model == 6 ? 1 : 2], 2.5e-4);
   s.begin = Clock::now();
   s.isOpen = true;
+  s.angle = s.gripper;
   advance();
   return 5;  // a number of the SDK, not the index
 }
@@ -123,7 +127,9 @@ int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double ro
   return s.isEarly ? 1 : 0;
 }
 int dhdGetGripperAngleRad(double* angle, char) {
-  *angle = 0.25;
+  constexpr double kFingers = 0.1, kFollow = 0.02;  // rad/N; share of the way in a call
+  s.angle += kFollow * (s.gripper - s.angle);
+  *angle = s.angle + (s.forces ? kFingers * s.wrench[6] : 0.0);
   return 0;
 }
 unsigned dhdGetButtonMask(char) { return s.button ? 1U : 0U; }
@@ -135,7 +141,17 @@ int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double 
   std::memcpy(s.wrench, wrench, sizeof wrench);
   return 0;
 }
+void dhdGetSDKVersion(int* major, int* minor, int* release, int* revision) {
+  *major = 3;
+  *minor = 17;
+  *release = 6;
+  *revision = 0;
+}
 const char* dhdErrorGetLastStr() { return "stand-in"; }
 
 }  // extern "C"
+
+namespace {
+[[maybe_unused]] const bool isSet = test::setFromEnvironment(dhdStandIn);
+}  // namespace
 #pragma GCC visibility pop

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "enamel/plugin/driver_conformance.hpp"
 #include "enamel/session/open_device.hpp"
@@ -99,6 +100,14 @@ inline void checkByCommand(const std::string& driver, const std::string& address
 #ifndef ENAMEL_SANITIZED
   CHECK_THAT(check.output, ContainsSubstring("passed       allocates nothing in measure and actuate"));
 #endif
+}
+
+/// `enamel device` prints what a stand-in reports. `state`: as ENAMEL_STAND_IN.
+inline void checkReported(const std::string& state, const std::string& url, const std::vector<std::string>& lines) {
+  const CommandResult result = runCommand("ENAMEL_STAND_IN='" + state + "' '" ENAMEL_TOOL "' device --connect '" + url +
+                                          "' --duration 0.5 < /dev/null");
+  INFO(result.output);
+  for (const std::string& line : lines) CHECK_THAT(result.output, ContainsSubstring(line));
 }
 
 }  // namespace enamel::test

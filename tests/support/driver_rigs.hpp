@@ -22,18 +22,30 @@ struct Rig {
   std::function<void(const Vec3&, double stiffness, double damping)> hold;  // by the hand: place, W, m; N/m, N s/m
   std::function<void(const Measurement&)> show;                             // a sample instead of the simulated ones
   std::function<void(HapticDevice&, Measurement&, Status&)> await = {};     // an answer that comes in real time
-  std::function<std::uint64_t()> messages = {};                             // received, if they come in real time
+  std::function<std::uint64_t()> messages = {};                             // answered, if that takes real time
   struct Fault {
     std::string name;
     std::function<void(bool)> set;
     bool isDeaf = false;  // commands do not arrive, and the vendor keeps the last force
   };
   std::vector<Fault> faults = {};
+  std::function<void(const Vec3& turn, double gripper)> turn = {};  // of the hand, W, rad, if the device senses them
 };
 
 #ifdef ENAMEL_DHD_STAND_IN
 struct DhdRig : StandIn {
-  DhdRig() : StandIn(ENAMEL_DHD_STAND_IN, "dhd") { set("model", 3.0); }
+  /// `model`: axes, 3, 6 or 7.
+  explicit DhdRig(int model = 3) : StandIn(ENAMEL_DHD_STAND_IN, "dhd") {
+    set("model", model);
+    if (model == 3) return;
+    rig.file = model == 6 ? "omega-6.toml" : "sigma-7.toml";
+    rig.turn = [this](const Vec3& turn, double gripper) {
+      set("turn-x", turn.z());  // the axes of the SDK: towards the user, right, up
+      set("turn-y", turn.x());
+      set("turn-z", turn.y());
+      set("gripper", gripper);
+    };
+  }
   Rig rig{std::string("forcedimension://0?library=") + ENAMEL_DHD_STAND_IN,
           "omega-3.toml",
           [] {},
@@ -56,7 +68,15 @@ struct HdRig : StandIn {
           [periods = find<void(int)>("hdStandInPeriods")] { periods(1); },
           [this] { return force(); },
           [this](const Vec3& place, double stiffness, double damping) { hold(place, stiffness, damping); },
-          find<void(const Measurement&)>("hdStandInShow")};
+          find<void(const Measurement&)>("hdStandInShow"),
+          {},
+          {},
+          {},
+          [this](const Vec3& turn, double) {
+            set("turn-x", turn.x());
+            set("turn-y", turn.y());
+            set("turn-z", turn.z());
+          }};
 };
 
 #endif

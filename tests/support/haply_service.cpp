@@ -98,11 +98,11 @@ struct HaplyService::Server {
         return;
       }
       take(Json::parse(beast::buffers_to_string(buffer.data())));
-      ++service.messages;
       const int late = service.late_ms + service.lateOnce_ms.exchange(0);
       if (late > 0) std::this_thread::sleep_for(std::chrono::milliseconds(late));
       const std::string text = service.isGarbage ? "{\"inverse3\":[{\"device_id" : stateText(false);
       service.isSlow ? writeSlowly(stream, text, error) : void(stream.write(net::buffer(text), error));
+      ++service.messages;
     }
   }
 
@@ -148,9 +148,18 @@ struct HaplyService::Server {
                      {"control_mode", "force"}};
     Json entry{{"device_id", kId}};
     if (isFirst) {
-      entry["config"] = {{"type", "inverse3"}, {"basis", {{"permutation", service.isPermuted ? "XZY" : "XYZ"}}}};
+      const Json rotation{{"w", 1.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}},
+          half{{"w", 0.0}, {"x", 0.0}, {"y", 0.0}, {"z", 1.0}};
+      entry["config"] = {{"type", "inverse3"},
+                         {"preset", "defaults"},
+                         {"extended_firmware_version", "8C20"},
+                         {"mount",
+                          {{"position", jsonOf(Vec3(0.1, 0.0, 0.0))},
+                           {"rotation", service.isTurned ? half : rotation},
+                           {"scale", jsonOf(Vec3::Ones())}}},
+                         {"basis", {{"permutation", service.isPermuted ? "XZY" : "XYZ"}}}};
     }
-    entry["status"] = {{"calibrated", !service.isUncalibrated}};
+    entry["status"] = {{"calibrated", !service.isUncalibrated}, {"power_supply", !service.hasNoPower}};
     entry["state"] = state;
     Json grip{{"device_id", "0012"}, {"state", {{"buttons", {{"a", false}, {"b", true}, {"c", false}}}}}};
     Json message{{"session_id", 7}, {"inverse3", Json::array()}, {"wireless_verse_grip", Json::array({grip})}};

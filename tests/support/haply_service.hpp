@@ -40,9 +40,11 @@ class HaplyService {
   std::atomic<bool> isGarbage{false};       ///< answers that are not JSON
   std::atomic<bool> isClosing{false};       ///< closes the connection at the next message
   std::atomic<bool> isUncalibrated{false};  ///< in the status
+  std::atomic<bool> hasNoPower{false};      ///< in the status
   std::atomic<bool> isPermuted{false};      ///< in the first message
+  std::atomic<bool> isTurned{false};        ///< the mount, in the first message
 
-  std::atomic<std::uint64_t> messages{0};             ///< received
+  std::atomic<std::uint64_t> messages{0};             ///< answered
   std::atomic<double> force{0.0}, largestForce{0.0};  ///< size of the newest and of the largest force, N
   std::atomic<bool> hasProfile{false};                ///< the session named itself
 

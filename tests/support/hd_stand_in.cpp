@@ -36,6 +36,7 @@ struct StandIn {
   std::deque<Error> errors;
   double force[3] = {};
   std::unique_ptr<test::HeldDevice> device;
+  unsigned rate = 1000;  // of the scheduler, Hz
   std::map<unsigned long, std::pair<Callback, void*>> tasks;
   unsigned long lastTask = 0;
   std::thread scheduler;
@@ -51,6 +52,11 @@ StandIn s;
 using Lock = std::lock_guard<std::recursive_mutex>;
 
 void fail(unsigned code) { s.errors.push_front({code, -7, kHandle}); }
+
+void makeDevice() {
+  s.device = std::make_unique<test::HeldDevice>(s.has("touch-x") ? "touch-x.toml" : "touch.toml", 1.0 / s.rate);
+  s.device->advance(Vec3::Zero(), Vec3::Zero());
+}
 
 // One period of the scheduler: all tasks, then the device moves. hdUnschedule() waits for its end, as the vendor's.
 void period() {
@@ -99,10 +105,9 @@ unsigned hdInitDevice(const char* name) {
   if (s.has("absent")) return fail(static_cast<unsigned>(s.valueOf("absent"))), 0xFFFFFFFF;
   if (s.has("unplugged")) return fail(0x0302), 0xFFFFFFFF;
   if (name != nullptr && std::strcmp(name, "Default Device") != 0) return fail(0x0300), 0xFFFFFFFF;
-  s.device = std::make_unique<test::HeldDevice>(s.has("touch-x") ? "touch-x.toml" : "touch.toml", 1e-3);
   s.isOpen = true;
   std::fill(std::begin(s.force), std::end(s.force), 0.0);
-  s.device->advance(Vec3::Zero(), Vec3::Zero());
+  makeDevice();
   return kHandle;
 }
 void hdDisableDevice(unsigned handle) {
@@ -116,7 +121,8 @@ void hdMakeCurrentDevice(unsigned handle) {
 }
 const char* hdGetString(unsigned what) {
   const Lock lock(s.mutex);
-  return what == 0x2504 ? "S-1" : s.has("touch-x") ? "Touch X" : "Touch";
+  if (what == 0x2501) return s.has("touch-x") ? "Touch X" : "Touch";
+  return what == 0x2504 ? "S-1" : what == 0x2500 ? "3.50" : what == 0x2502 ? "2023.1" : nullptr;
 }
 void hdGetIntegerv(unsigned what, int* values) {
   const Lock lock(s.mutex);
@@ -136,6 +142,14 @@ void hdGetDoublev(unsigned what, double* values) {
     corners << kMiddle - Vec3(80, 60, 35), kMiddle + Vec3(80, 60, 35);
   } else if (what == 0x2603) {
     *values = s.has("max-force") ? s.valueOf("max-force") : s.has("touch-x") ? 7.9 : 3.3;
+  } else if (what == 0x2604) {
+    *values = 0.88;
+  } else if (what == 0x2602) {
+    *values = 0.5;  // N/mm
+  } else if (what == 0x2609) {
+    *values = 0.002;  // N s/mm
+  } else if (what == 0x2505) {
+    *values = 1.5;
   } else if (what == 0x2605) {
     for (int i = 0; i < 3; ++i) values[i] = i == 1 ? s.valueOf("heat") : 0.0;
   } else if (what != 0x2050 && what != 0x2052) {
@@ -189,7 +203,10 @@ void hdDisable(unsigned what) {
 }
 void hdSetSchedulerRate(unsigned rate) {
   const Lock lock(s.mutex);
-  if (rate != 1000) fail(0x0101);
+  if (rate < 500 || rate > 4000) return fail(0x0101);
+  if (rate == s.rate) return;
+  s.rate = rate;
+  makeDevice();
 }
 unsigned long hdScheduleAsynchronous(Callback call, void* user, unsigned short) {
   const Lock lock(s.mutex);
@@ -209,7 +226,8 @@ void hdStartScheduler() {
     (void)system::requestRealtime(85);  // other programs on this machine are not part of the test
     for (auto next = Clock::now(); s.isRunning; std::this_thread::sleep_until(next)) {
       period();
-      next = std::max(next + std::chrono::milliseconds(1), Clock::now() - std::chrono::milliseconds(100));
+      next =
+          std::max(next + std::chrono::microseconds(1000000 / s.rate), Clock::now() - std::chrono::milliseconds(100));
     }
   });
 }
@@ -231,4 +249,8 @@ void hdEndFrame(unsigned) {
 }
 
 }  // extern "C"
+
+namespace {
+[[maybe_unused]] const bool isSet = test::setFromEnvironment(hdStandIn);
+}  // namespace
 #pragma GCC visibility pop

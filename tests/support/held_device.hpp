@@ -1,6 +1,8 @@
 // A simulated device that a hand holds: the part that stand-ins of vendors' libraries share.
 #pragma once
 
+#include <cstdlib>
+#include <sstream>
 #include <string>
 
 #include "enamel/device/device_file.hpp"
@@ -8,6 +10,16 @@
 #include "enamel/sim/virtual_device.hpp"
 
 namespace enamel::test {
+
+/// Set what a stand-in understands from the environment ENAMEL_STAND_IN, such as "button 1 heat 0.7", for programs that
+/// are tested from outside.
+inline bool setFromEnvironment(void (*set)(const char*, double)) {
+  const char* const text = std::getenv("ENAMEL_STAND_IN");
+  std::istringstream words(text == nullptr ? "" : text);
+  double value = 0.0;
+  for (std::string what; words >> what >> value;) set(what.c_str(), value);
+  return true;
+}
 
 /// The imperfect plant of a device file. The hand holds it at `place`, turned by `turn`. Everything is in W.
 class HeldDevice {

@@ -88,7 +88,8 @@ TEST_CASE("slips in a command line of device are told", "[device_command]") {
   refuses("--serve virtual: --bind 0.0.0.0 --duration 0.1",
           "0.0.0.0 can be reached from other machines: give a key, or use 127.0.0.1");
   refuses("--serve virtual: --key /nowhere", "/nowhere");
-  refuses("--connect localhost", "device URL \"localhost\": the scheme is missing; possible are virtual:FILE");
+  refuses("--connect localhost",
+          "device URL \"localhost\": it must begin with a scheme in small letters and ':'; possible are virtual:FILE");
   const test::TemporaryFolder folder;
   const std::string record = folder / "a.rec", url = "udp://127.0.0.1:" + freePort() + "?device=" + kStylus;
   refuses("--connect '" + url + "' --renderer impedance --record '" + record + "'",

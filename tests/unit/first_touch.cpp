@@ -13,32 +13,36 @@ namespace enamel::test_first_touch {
 
 using test::ContainsSubstring;
 using test::Mistake;
+using test::TrialHand;
 
 namespace {
 
-// Try a simulated stylus with a delay, ticks.
-FirstTouchResult tryOut(Mistake mistake, const std::string& recording = "", int confirmations = 1000, int delay = 0) {
-  struct Hand {
-    Vec3 place = Vec3::Zero();
-    double stiffness = 300.0;  // N/m
-  };
-  const auto hand = std::make_shared<Hand>();
-  const auto mechanism = makeMechanism(loadDevice(test::deviceFile("cartesian-3.toml")));
+const std::string kStylus = "cartesian-3.toml", kSixAxes = "cartesian-6.toml";
+
+// Try a simulated device with a delay, ticks.
+FirstTouchResult tryOut(const Mistake& mistake, const std::string& file = kStylus, const std::string& recording = "",
+                        int confirmations = 1000, int delay = 0) {
+  const auto hand = std::make_shared<TrialHand>();
+  OpenedDevice opened;
+  opened.file = test::deviceFile(file);
+  opened.text = readFile(opened.file);
+  opened.mechanism = makeMechanism(loadDevice(opened.file));
   VirtualDeviceSetup setup;
   setup.encoders = {true, RateSource::lowPass, 100.0};
   setup.delay = {delay, delay};
-  OpenedDevice opened;
-  opened.file = test::deviceFile("cartesian-3.toml");
-  opened.text = readFile(opened.file);
-  opened.mechanism = mechanism;
   opened.delay = {0, delay};
   opened.device =
-      std::make_unique<SimulatedDevice>(*mechanism, setup, [hand](double, const Pose& pose, const Vec6& twist) {
-        Vec6 wrench = Vec6::Zero();
-        wrench.head<3>() = hand->stiffness * (hand->place - pose.position) - 4.0 * twist.head<3>();
+      std::make_unique<SimulatedDevice>(*opened.mechanism, setup, [hand](double, const Pose& pose, const Vec6& twist) {
+        const double angle = hand->turn.norm();
+        const Mat3 target =
+            Eigen::AngleAxisd(angle, angle > 0.0 ? Vec3(hand->turn / angle) : Vec3(Vec3::UnitX())).toRotationMatrix();
+        const Eigen::AngleAxisd left(Mat3(target * pose.rotation.transpose()));
+        Vec6 wrench;
+        wrench << hand->stiffness * (hand->place - pose.position) - 4.0 * twist.head<3>(),
+            0.2 * left.angle() * left.axis() - 0.02 * twist.tail<3>();
         return wrench;
       });
-  const auto hold = [hand](const Vec3& place, double stiffness) { *hand = {place, stiffness}; };
+  const auto hold = [hand](const TrialHand& held) { *hand = held; };
   return test::tryOut(std::move(opened), mistake, hold, recording, confirmations);
 }
 
@@ -46,31 +50,42 @@ FirstTouchResult tryOut(Mistake mistake, const std::string& recording = "", int 
 
 TEST_CASE("a good driver passes the first trial, and the recording is kept", "[first_touch]") {
   const test::TemporaryFolder folder;
-  const FirstTouchResult result = tryOut(Mistake::none, folder / "first.rec");
+  const FirstTouchResult result = tryOut({}, kStylus, folder / "first.rec");
   INFO(result.report);
   CHECK(result.surprise.empty());
   CHECK(result.isComplete);
   CHECK(std::filesystem::file_size(folder / "first.rec") > 1000);
   for (const char* step :
-       {"rest: 0.0 % of the samples lost", "moved to the right: 30.", "push of 0.1 N up", "push of 2.0 N towards you",
-        "apparent mass 0.04", "a soft wall of 300 N/m: ", "a hard wall: "})
+       {"rest: 0.0 % of the samples lost", "buttons pressed: none", "moved to the right: 30.", "push of 0.1 N up",
+        "push of 2.0 N towards you", "apparent mass 0.04", "a soft wall of 300 N/m: ", "a hard wall: "})
     CHECK_THAT(result.report, ContainsSubstring(step));
   CHECK_THAT(result.report, !ContainsSubstring("wall: 0 ticks in contact"));
 }
 
+TEST_CASE("the first trial turns a device with six axes, and pushes it with moments", "[first_touch]") {
+  const FirstTouchResult result = tryOut({}, kSixAxes);
+  INFO(result.report);
+  CHECK(result.surprise.empty());
+  CHECK(result.isComplete);
+  for (const char* step : {"turned so that its front end goes up: 2", "push of 0.05 N m so that its right side goes up",
+                           "apparent inertia"})
+    CHECK_THAT(result.report, ContainsSubstring(step));
+}
+
 TEST_CASE("each single mistake of a driver stops the first trial, and is named", "[first_touch]") {
-  for (const auto& [mistake, words] : test::kMistakes) {
-    const FirstTouchResult result = tryOut(mistake);
-    INFO(result.report);
-    CHECK_THAT(result.surprise, ContainsSubstring(words));
-    CHECK_FALSE(result.isComplete);
-    CHECK_THAT(result.report, ContainsSubstring("SURPRISE: " + result.surprise));
-  }
+  for (const std::string& file : {kStylus, kSixAxes})
+    test::forEachMistake(file == kSixAxes, file == kSixAxes, false, [&](const Mistake& mistake) {
+      const FirstTouchResult result = tryOut(mistake, file);
+      INFO(file << ", " << mistake.what << ", expected: " << mistake.words << "\n" << result.report);
+      CHECK(test::names(result.surprise, mistake.words));
+      CHECK_FALSE(result.isComplete);
+      CHECK_THAT(result.report, ContainsSubstring("SURPRISE: " + result.surprise));
+    });
 }
 
 TEST_CASE("the first trial measures the delay, and position control uses it", "[first_touch]") {
   for (const int delay : {0, 1, 2, 3}) {
-    const FirstTouchResult result = tryOut(Mistake::none, "", 1000, delay);
+    const FirstTouchResult result = tryOut({}, kStylus, "", 1000, delay);
     INFO(result.report);
     CHECK(result.isComplete);
     CHECK_THAT(result.report, ContainsSubstring("add the option delay=" + std::to_string(delay) + " to the URL"));
@@ -83,13 +98,13 @@ TEST_CASE("the first trial asks whether the person moved a handle at rest", "[fi
   opened.mechanism = mechanism;
   opened.device = std::make_unique<SimulatedDevice>(
       *mechanism, VirtualDeviceSetup(), [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); });
-  CHECK_THAT(test::tryOut(std::move(opened), Mistake::none, [](const Vec3&, double) {}).surprise,
-             ContainsSubstring("the position did not change: did you move the handle"));
+  CHECK_THAT(test::tryOut(std::move(opened), {}, [](const TrialHand&) {}).surprise,
+             ContainsSubstring("the position changed by only 0 m: did you move the handle"));
 }
 
 TEST_CASE("the person ends the first trial at any step", "[first_touch]") {
   for (const int confirmations : {0, 2, 5, 14}) {
-    const FirstTouchResult result = tryOut(Mistake::none, "", confirmations);
+    const FirstTouchResult result = tryOut({}, kStylus, "", confirmations);
     CHECK_FALSE(result.isComplete);
     CHECK(result.surprise.empty());
     CHECK_THAT(result.report, ContainsSubstring("ended by the person before: "));

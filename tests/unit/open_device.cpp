@@ -56,7 +56,8 @@ TEST_CASE("a refusal names the URL, the cause and what is possible", "[open_devi
   const auto refuses = [](const std::string& url, const std::string& message) {
     CHECK_THROWS_WITH(openDevice(url), ContainsSubstring('"' + url + '"') && ContainsSubstring(message));
   };
-  refuses("tau.toml", "the scheme is missing; possible are virtual:FILE, udp://HOST:PORT");
+  refuses("tau.toml",
+          "it must begin with a scheme in small letters and ':'; possible are virtual:FILE, udp://HOST:PORT");
   refuses(
       "mouse://0",
       "unknown driver \"mouse\": no plugin folder is given; a path must end in .so; possible are virtual:FILE, udp://");

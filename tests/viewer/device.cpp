@@ -3,6 +3,10 @@
 #include <filesystem>
 
 #include "viewer/running_viewer.hpp"
+#ifdef ENAMEL_HAPLY_SERVICE
+#include "support/devices.hpp"
+#include "support/haply_service.hpp"
+#endif
 
 namespace enamel::test_device {
 
@@ -57,6 +61,45 @@ TEST_CASE("a bur cuts on a connected device, and its recording replays", "[viewe
   CHECK(replayStatus(folder) == 0);
 }
 
+#ifdef ENAMEL_HAPLY_SERVICE
+TEST_CASE("the viewer shows that a device is unplugged in contact, and continues with it", "[viewer]") {
+  test::HaplyService service(test::deviceFile("inverse3.toml"), 0.008, -0.003);
+  const test::TemporaryFolder folder;
+  std::string script;
+  for (int second = 2; second < 600; second += 2) script += std::to_string(second) + " reset\n";  // as a person
+  test::writeFile(folder / "script.txt", script + "3600 end\n");
+  test::RunningViewer viewer(folder,
+                             test::shippedScene("flat-wall.toml") + " --headless --script '" + folder / "script.txt" +
+                                 "' --device 'haply://" + service.address() + "'",
+                             kNoDisplay);
+  const auto has = [&viewer](const char* what, const nlohmann::json& value) {
+    (void)viewer.until(what, [&](const nlohmann::json& now) { return now.at("device").at(what) == value; });
+  };
+  const auto touches = [&viewer] {
+    (void)viewer.until("contact", [](const nlohmann::json& now) { return now.at("contact").get<bool>(); });
+  };
+  touches();
+  has("buttons", 2);
+  service.isUnplugged = true;
+  has("lost", true);
+  CHECK(service.newestForce().isZero());
+  service.isUnplugged = false;
+  has("lost", false);
+  service.hasNoPower = true;
+  has("forces cut", true);
+  has("enabled", false);
+  service.hasNoPower = false;
+  service.isUncalibrated = true;
+  has("calibrated", false);
+  service.isUncalibrated = false;
+  service.isClosing = true;
+  REQUIRE(test::eventually([&] { return !service.isClosing; }));  // it has closed the connection
+  touches();                                                      // the viewer has connected again
+  viewer.signal(SIGTERM);
+  CHECK(viewer.wait() == 128 + SIGTERM);
+}
+#endif
+
 TEST_CASE("connections that the viewer refuses", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "script.txt", "0 end\n");
@@ -69,6 +112,8 @@ TEST_CASE("connections that the viewer refuses", "[viewer]") {
   };
   refuses("--device nothing://1", "device URL \"nothing://1\"");
   refuses("--device virtual: --gain servo.json", "--gain is for simulated devices");
+  refuses("--max-force 1", "--max-force is for connected devices");
+  refuses("--device virtual: --max-force -1", "largest force");
 }
 
 }  // namespace enamel::test_device

@@ -68,7 +68,7 @@ class ConnectedDevice final : public HapticDevice {
       : library_(std::move(library)) {
     const std::vector<EnamelParameter> parameters = parametersOf(*library_, options);
     connected_.size = sizeof connected_;
-    plugin::requireOk(library_->path(), "connect", [&](EnamelMessage message) {
+    facts_ = plugin::requireOk(library_->path(), "connect", [&](EnamelMessage message) {
       return library_->table().connect(address.c_str(), parameters.data(), parameters.size(), &connected_, message);
     });
     try {
@@ -112,6 +112,7 @@ class ConnectedDevice final : public HapticDevice {
 
   const EnamelConnected& connected() const noexcept { return connected_; }
   const std::shared_ptr<const Mechanism>& mechanism() const noexcept { return mechanism_; }
+  const std::string& facts() const noexcept { return facts_; }
 
  private:
   void check() {
@@ -143,6 +144,7 @@ class ConnectedDevice final : public HapticDevice {
 
   std::shared_ptr<const DriverLibrary> library_;
   EnamelConnected connected_{};
+  std::string facts_;
   std::shared_ptr<const Mechanism> mechanism_;
   std::unique_ptr<HapticDevice> device_;
   std::atomic<bool> isOpen_{false}, isLost_{false};
@@ -181,6 +183,7 @@ DriverDevice connectDriver(std::shared_ptr<const DriverLibrary> library, const s
   DriverDevice result;
   result.text = c.device_file;
   result.mechanism = device->mechanism();
+  result.facts = device->facts();
   result.delayLow = c.delay_low;
   result.delayHigh = c.delay_high;
   result.hasOwnClock = c.has_own_clock != 0;
@@ -190,7 +193,7 @@ DriverDevice connectDriver(std::shared_ptr<const DriverLibrary> library, const s
 
 std::vector<DriverListing> listDriver(const DriverLibrary& library) {
   std::string text(kListBytes, '\0');
-  plugin::requireOk(library.path(), "list", [&](EnamelMessage message) {
+  (void)plugin::requireOk(library.path(), "list", [&](EnamelMessage message) {
     return library.table().list({text.data(), text.size()}, message);
   });
   text.back() = 0;

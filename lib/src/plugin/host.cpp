@@ -38,7 +38,7 @@ class PluginRenderer final : public Renderer {
  private:
   template <typename Call>
   void require(const char* what, const Call& call) {
-    plugin::requireOk(library_->path(), what, call);
+    (void)plugin::requireOk(library_->path() + ": " + what + "() failed", what, call);
   }
 
   void prepare(double period) override {

@@ -53,13 +53,17 @@ void checkDescription(const std::string& path, const EnamelDescription* d) {
                         " must have a key and a meaning of one line each, and a default");
 }
 
-void requireOk(const std::string& path, const char* what, const std::function<std::int32_t(EnamelMessage)>& call) {
+std::string requireOk(const std::string& path, const char* what,
+                      const std::function<std::int32_t(EnamelMessage)>& call) {
   std::array<char, 1024> text{};
   const std::int32_t result = call(EnamelMessage{text.data(), text.size()});
   text.back() = 0;
   if (result != ENAMEL_OK)
-    throw PluginError(path + ": " + what + "() failed with code " + std::to_string(result) +
-                      (text[0] != 0 ? ": " : "") + text.data());
+    throw PluginError(
+        path + ": " +
+        (text[0] != 0 ? std::string(text.data())
+                      : std::string(what) + "() failed with code " + std::to_string(result) + " and gave no reason"));
+  return printable(text.data());
 }
 
 }  // namespace enamel::plugin

@@ -51,8 +51,10 @@ const Table& tableOf(const std::string& path, void* library, const char* symbol)
   return *table;
 }
 
-/// Call a setup function that returns an EnamelResult and writes a message. Throws PluginError with both.
-void requireOk(const std::string& path, const char* what, const std::function<std::int32_t(EnamelMessage)>& call);
+/// Call a setup function that returns an EnamelResult and writes a message. Return the message as one line. Throws
+/// PluginError with the message, or with the result if the message is empty.
+std::string requireOk(const std::string& path, const char* what,
+                      const std::function<std::int32_t(EnamelMessage)>& call);
 
 /// Find a plugin by its path or by its name in `folder`: findPlugin(). `kind` is a noun for messages.
 template <typename Library>

@@ -21,7 +21,7 @@ class OwnDevice final : public HapticDevice {
     const std::int32_t result = callbacks_.open(callbacks_.user, {text.data(), text.size()});
     text.back() = 0;
     if (result != ENAMEL_OK)
-      throw Error("the device does not open, code " + std::to_string(result) + (text[0] != 0 ? ": " : "") +
+      throw Error("the device does not open" + (text[0] != 0 ? ": " : ", code " + std::to_string(result)) +
                   text.data());
   }
   void close() noexcept override {

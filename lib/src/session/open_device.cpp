@@ -162,6 +162,7 @@ OpenedDevice openWithDriver(DeviceUrl url, const OpenDeviceOptions& options) {
             file + " has " + std::to_string(opened.mechanism->joints()) + " joints, the connected device has " +
                 std::to_string(driver.mechanism->joints()));
   }
+  opened.facts = driver.facts;
   opened.delay = {driver.delayLow, driver.delayHigh};
   if (driver.hasOwnClock) opened.poll = pollOf(options);
   opened.device = std::move(driver.device);
@@ -176,7 +177,7 @@ DeviceUrl parseDeviceUrl(const std::string& text) {
   DeviceUrl url;
   url.text = text;
   const std::size_t colon = schemeLength(text);
-  if (colon == 0) refuse(url, "the scheme is missing; " + possibleForms());
+  if (colon == 0) refuse(url, "it must begin with a scheme in small letters and ':'; " + possibleForms());
   url.scheme = text.substr(0, colon);
   const std::size_t question = text.find('?');
   const std::size_t begin = text.compare(colon, 3, "://") == 0 ? colon + 3 : colon + 1;

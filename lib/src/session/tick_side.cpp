@@ -160,7 +160,7 @@ void Session::Impl::watchDevice(const LoopTick& tick) noexcept {
     sendEvent(event);
   }
   fault = now;
-  const bool fails = tick.measurement.failed || tick.measurement.age > haptics->guard().options().longestGap;
+  const bool fails = isLostIn(tick.measurement, haptics->guard().options().period);
   if (fails != isLost) {
     event = SessionEvent{};
     event.kind = fails ? EventKind::deviceLost : EventKind::deviceBack;

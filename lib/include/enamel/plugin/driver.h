@@ -103,7 +103,8 @@ typedef struct EnamelDriver {
   int32_t (*list)(EnamelMessage devices, EnamelMessage message);
 
   /* Setup. Find the device with an address ("": the only or first one), and fill in `connected`. The motors stay off.
-   * The host gives only options that the description has. */
+   * The host gives only options that the description has. On success `message` may have one line about the device for
+   * reports, such as its model, serial number, firmware and limits. */
   int32_t (*connect)(const char* address, const EnamelParameter* options, size_t option_count,
                      EnamelConnected* connected, EnamelMessage message);
 

@@ -39,7 +39,8 @@ class DriverLibrary {
 
 /// A device that a driver has connected.
 struct DriverDevice {
-  std::string text;  ///< content of the device file (TOML)
+  std::string text;   ///< content of the device file (TOML)
+  std::string facts;  ///< about this device, for reports: one line of its driver, or empty
   std::shared_ptr<const Mechanism> mechanism;
   int delayLow = 0, delayHigh = 0;  ///< ticks, see EnamelConnected
   bool hasOwnClock = false;

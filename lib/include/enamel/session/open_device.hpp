@@ -45,8 +45,9 @@ struct OpenDeviceOptions {
 
 /// An open device and what a loop must know about it.
 struct OpenedDevice {
-  std::string file;  ///< path of its device file; empty: the file is built in
-  std::string text;  ///< content of its device file (TOML)
+  std::string file;   ///< path of its device file; empty: the file is built in
+  std::string text;   ///< content of its device file (TOML)
+  std::string facts;  ///< about this device, for reports: one line of its driver, or empty
   std::shared_ptr<const Mechanism> mechanism;
   Delay delay;        ///< of its commands, ticks: for the renderer
   double poll = 0.0;  ///< s, for HapticLoopOptions::period: four times a tick if the device has its own clock, else 0

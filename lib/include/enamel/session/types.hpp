@@ -87,6 +87,14 @@ struct Snapshot {
   double sinceTick = 0.0;           ///< s since the last tick began: grows if the loop hangs; 0: no loop runs
 };
 
+/// A device that has given no samples for this time is lost, s. A late answer is shorter.
+inline constexpr double kLostAfter = 0.1;
+
+/// Return whether a device is lost at a tick. Realtime: yes.
+inline bool isLostIn(const Measurement& measurement, double period) noexcept {
+  return measurement.failed || measurement.age * period > kLostAfter;
+}
+
 /// Largest component of an effect, N and N m.
 inline constexpr double kLargestEffect = 1000.0;
 
@@ -102,7 +110,7 @@ enum class EventKind : std::uint8_t {
   guardStop,     ///< the guard latched a fault: `reason`
   cut,           ///< the bur removed material: `removed`, the sum of up to 20 ms
   missed,        ///< `count` periods passed without a tick
-  deviceLost,    ///< the device gives no samples, or its driver failed
+  deviceLost,    ///< the device has given no samples for kLostAfter, or its driver failed
   deviceBack,    ///< it gives samples again; a fault of the guard remains until reset()
   recordingEnd,  ///< a change of scene, tool or renderer ended the recording
   unusualSize,   ///< the size of a new mesh or solid suggests another unit: `extent` (see unusualSize())
