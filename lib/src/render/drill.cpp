@@ -184,15 +184,12 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   const double asked = recession_ * area_ * elapsed + owed_;
   advance_ = std::max(0.0, asked / area_);
 
-  // Retract the bur until no contact is deeper than this tick's advance.
-  double back = -rough_, depth = -rough_;
-  for (const Contact* c = deepest; c != end; ++c) {
-    const double gap = gaps_[static_cast<std::size_t>(c - first)];
-    if (c->obstacle != number || !parts_.has(c->part) || way_.dot(c->normal) < kAhead) continue;
-    depth = std::max(depth, -gap / way_.dot(c->normal));
-    if (gap >= 0.0) continue;
-    back = std::max(back, -gap / way_.dot(c->normal) - advance_);
-  }
+  // The bur cuts where it is, or where it rests on the surface if it is deeper, and as far ahead as the law wants.
+  double depth = -rough_;
+  for (const Contact* c = deepest; c != end; ++c)
+    if (c->obstacle == number && parts_.has(c->part) && way_.dot(c->normal) >= kAhead)
+      depth = std::max(depth, -gaps_[static_cast<std::size_t>(c - first)] / way_.dot(c->normal));
+  const double back = std::max(0.0, depth) - advance_;
   std::array<Segment, kMaxToolParts> axes;
   for (std::size_t i = 0; i < static_cast<std::size_t>(parts_.count); ++i)
     axes[i] = {inSolid(pose.position + pose.rotation * head_[i].a + back * way_ + shake_),
