@@ -80,6 +80,8 @@ Bur burOf(const Combination& c) {
     bur.torque = 2e-3;
     bur.runOut = 1e-5;
     bur.blades = 6;
+    bur.shaftCompliance = 1e-5;  // it chatters
+    bur.shaftFrequency = 120.0;
   }
   return bur;
 }
