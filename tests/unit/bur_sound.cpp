@@ -69,14 +69,14 @@ TEST_CASE("the tone is the bur's rotation", "[sound]") {
 
 TEST_CASE("chatter is heard at its pitch, louder the faster the head moves", "[sound]") {
   double before = rms(settled(kEnamel));
-  for (const double speed : {1e-4, 1e-3, 1e-2}) {
+  for (const double speed : {5e-4, 2e-3, 2e-2}) {
     BurLoad load = kEnamel;
     load.chatter = speed;
     load.pitch = 920.0;
     const auto samples = settled(load);
     CHECK(rms(samples) > 1.01 * before);
     before = rms(samples);
-    if (speed > 1e-4) CHECK(loudest(samples, 700, 1500) == Approx(load.pitch).margin(1.0));
+    CHECK(loudest(samples, 700, 1500) == Approx(load.pitch).margin(1.0));
   }
 }
 
