@@ -16,12 +16,9 @@ mkdir -p out
 build/release/apps/enamel/enamel push --device data/devices/tau-nominal.toml \
   --renderer position-control,hold,impedance --device-damping 4 --noise 0 --output out/push.csv --overwrite
 
-echo "== a small study: 9 query points, 3 runs each; the paper's is: enamel study --output out/study"
+echo "== a small study with the paper's forces, 8 to 15 N, then those of crown preparations, 0.1 to 4.9 N:"
+echo "   9 query points, 3 runs each; the whole one is: enamel study --output out/study"
 build/release/apps/enamel/enamel study --grid 3 --runs 3 --output out/small-study --overwrite
-
-echo "== the same with the forces of crown preparations, 0.1 to 4.9 N, and a finger that rests on a tooth"
-build/release/apps/enamel/enamel study --grid 3 --runs 3 --force 0.1,4.9 --noise 0.1 --finger-rest --output out/dental-study \
-  --overwrite
 
 echo "== speed against error"
 build/release/apps/enamel/enamel bench --scale 0.2

@@ -1,7 +1,10 @@
 #include "study/study.hpp"
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <utility>
 
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
@@ -13,6 +16,11 @@ namespace {
 
 void addOptions(CLI::App& command, const std::shared_ptr<StudyOptions>& options) {
   addStudyOptions(command, options);
+  CLI::Option* const force = command.get_option("--force");
+  force
+      ->description(force->get_description() +
+                    "; default: 8,15 as in the paper, and then in the folder dental 0.1,4.9 with --noise 0.1")
+      ->default_str("");
   command.get_option("--device")->description("device file (TOML); default: the nominal device");
   takeOldNames(command.add_option("--plant", options->plant, kPlantHelp)
                    ->check(CLI::Validator(checkPlant, ""))
@@ -53,6 +61,18 @@ StudyOptions optionsIn(const std::string& folder) {
   return *options;
 }
 
+// Perform the same study with the forces of crown preparations, and about the same relative noise (apps/STUDY.md), in
+// a folder below.
+void runDental(StudyOptions options) {
+  fmt::print("\nwith the forces of crown preparations, 0.1 to 4.9 N\n");
+  options.force = {0.1, 4.9};
+  options.noise = 0.1;
+  options.convergence = false;
+  options.output += "/dental";
+  for (const char* argument : {"--force", "0.1,4.9", "--noise", "0.1"}) options.arguments.emplace_back(argument);
+  runStudy(std::move(options));
+}
+
 }  // namespace
 
 void addStudy(CLI::App& app) {
@@ -75,6 +95,7 @@ void addStudy(CLI::App& app) {
     takeRank(*command, *options);
     options->arguments = argumentsOf(*command);
     runStudy(*options);
+    if (options->whole && command->count("--force") + command->count("--noise") == 0) runDental(*options);
   });
 }
 

@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
     using namespace enamel::app;
     LabelsOptions options;
     CLI::App app{"Makes a solid that can be cut (.solid) from the labels of a CT."};
-    app.add_option("file", options.file, "volume of labels, NIfTI (.nii, .nii.gz)")->required();
+    app.add_option("file", options.file, "volume of labels: NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .nhdr)")->required();
     app.add_option("--layer", options.layers,
                    "layer, outermost first: its name, its labels and its hardness in Pa, as enamel=1@3.4e9")
         ->required()

@@ -15,6 +15,7 @@
 #include <limits>
 
 #include "enamel/core/error.hpp"
+#include "nrrd.hpp"
 
 namespace enamel::app {
 namespace {
@@ -39,13 +40,21 @@ void watch(vtkObject* object, bool& failed) {
 
 }  // namespace
 
+std::uint16_t labelOf(double value, const std::string& path) {
+  if (!(value >= 0.0 && value <= std::numeric_limits<std::uint16_t>::max() && value == std::floor(value)))
+    throw ConfigurationError(path, 0, "",
+                             "has the value " + std::to_string(value) + ", labels must be whole numbers of 0 to 65535");
+  return static_cast<std::uint16_t>(value);
+}
+
 LabelVolume loadLabels(const std::string& path) {
+  if (isNrrd(path)) return loadNrrd(path);
   const auto refuse = [&path](const std::string& problem) { throw ConfigurationError(path, 0, "", problem); };
   vtkNew<vtkNIFTIImageReader> reader;
   bool failed = false;
   watch(reader, failed);
   watch(reader->GetExecutive(), failed);
-  if (reader->CanReadFile(path.c_str()) == 0) refuse("is missing, or is not a NIfTI file");
+  if (reader->CanReadFile(path.c_str()) == 0) refuse("is missing, or is neither a NIfTI nor an NRRD file");
   reader->SetFileName(path.c_str());
   reader->Update();
   vtkImageData* const image = reader->GetOutput();
@@ -71,12 +80,8 @@ LabelVolume loadLabels(const std::string& path) {
     }
   }
   volume.labels.reserve(static_cast<std::size_t>(values->GetNumberOfTuples()));
-  for (vtkIdType i = 0; i < values->GetNumberOfTuples(); ++i) {
-    const double value = values->GetComponent(i, 0);
-    if (!(value >= 0.0 && value <= std::numeric_limits<std::uint16_t>::max() && value == std::floor(value)))
-      refuse("has the value " + std::to_string(value) + ", labels must be whole numbers of 0 to 65535");
-    volume.labels.push_back(static_cast<std::uint16_t>(value));
-  }
+  for (vtkIdType i = 0; i < values->GetNumberOfTuples(); ++i)
+    volume.labels.push_back(labelOf(values->GetComponent(i, 0), path));
   return volume;
 }
 

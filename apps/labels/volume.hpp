@@ -1,4 +1,4 @@
-// Reads volumes of labels with VTK.
+// Reads volumes of labels: NIfTI with VTK, and NRRD.
 #pragma once
 
 #include <string>
@@ -7,8 +7,12 @@
 
 namespace enamel::app {
 
-/// Read a NIfTI file (.nii, .nii.gz). Positions are those of its S-form, else of its Q-form, in m; without a unit it
-/// has mm. Throws ConfigurationError with the file for a file that VTK cannot read, and for values that are not labels.
+/// Return a value of a voxel as a label. Throws ConfigurationError with the file for a value that is not one.
+std::uint16_t labelOf(double value, const std::string& path);
+
+/// Read a NIfTI file (.nii, .nii.gz), or one in NRRD (loadNrrd()). Positions are those of its S-form, else of its
+/// Q-form, in m; without a unit it has mm. Throws ConfigurationError with the file for a file that VTK cannot read, and
+/// for values that are not labels.
 LabelVolume loadLabels(const std::string& path);
 
 }  // namespace enamel::app

@@ -1,6 +1,7 @@
 #include "bur_view.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace enamel::viewer {
 namespace {
@@ -23,9 +24,12 @@ double uncutDistance(const SceneFile& scene, const std::vector<SolidCopy>& solid
 }
 
 // Return the load of a bur that cuts these volumes in `seconds`.
-BurLoad loadOf(const RemovedVolume& cut, double seconds, double turns, const std::vector<SolidLayer>& layers) {
+BurLoad loadOf(const RemovedVolume& cut, double seconds, const DrillState& drilled,
+               const std::vector<SolidLayer>& layers) {
   BurLoad load;
-  load.turns = turns;
+  load.turns = drilled.turns;
+  load.pitch = drilled.pitch;
+  load.chatter = 2.0 * M_PI * drilled.pitch * drilled.chatter;
   double power = 0.0;
   for (std::size_t i = 0; i < layers.size(); ++i) {
     load.removal += cut[i] / seconds;
@@ -55,7 +59,7 @@ const char* BurView::update(const Frame& frame, const SceneFile& scene, const st
   if (frame.record.time < time_) chips_ = Chips();
   const double passed = std::max(0.0, frame.record.time - time_);
   time_ = frame.record.time;
-  if (drilled.spins) angle_ += 6.283185307179586 * shownTurns * passed;
+  if (drilled.spins) angle_ += 2.0 * M_PI * shownTurns * passed;
   RemovedVolume cut{};
   for (std::size_t i = 0; i < cut.size(); ++i) cut[i] = std::max(0.0, drilled.removed[i] - removed_[i]);
   removed_ = drilled.removed;
@@ -74,7 +78,7 @@ const char* BurView::update(const Frame& frame, const SceneFile& scene, const st
   if (!sound_ || (passed == 0.0 && !frame.paused)) return nullptr;  // keep the sound in slow motion
   const auto* const layers = layersOf(solids);
   const bool turns = isHeard && drilled.turns > 0.0 && !frame.paused && layers != nullptr;
-  sound_->set(turns ? loadOf(cut, passed, drilled.turns, *layers) : BurLoad());
+  sound_->set(turns ? loadOf(cut, passed, drilled, *layers) : BurLoad());
   return sound_->trouble();
 }
 

@@ -15,6 +15,8 @@ struct DrillState {
   bool spins = false;
   double turns = 0.0;       ///< per second
   double feed = 0.0;        ///< m/s
+  double chatter = 0.0;     ///< amplitude, m
+  double pitch = 0.0;       ///< of the chatter, Hz
   RemovedVolume removed{};  ///< by layer, m^3; undone strokes do not count
   int strokes = 0;          ///< number of strokes that undo() can restore
 };

@@ -108,7 +108,12 @@ void Experiment::restore() noexcept {
 
 void Experiment::fillDrillState() noexcept {
   if (drill_)
-    frame_.drilled = {drill_->spins(), drill_->turns(), drill_->feed(), drilledSolids_->removed(),
+    frame_.drilled = {drill_->spins(),
+                      drill_->turns(),
+                      drill_->feed(),
+                      drill_->chatter(),
+                      drill_->chatterFrequency(),
+                      drilledSolids_->removed(),
                       drilledSolids_->strokes()};
 }
 

@@ -48,6 +48,8 @@ void LiveDevice::look(const TickFrame& tick) noexcept {
     frame_.drilled.spins = drill->spins();
     frame_.drilled.turns = drill->turns();
     frame_.drilled.feed = drill->feed();
+    frame_.drilled.chatter = drill->chatter();
+    frame_.drilled.pitch = drill->chatterFrequency();
     for (std::size_t i = 0; tick.age == 0 && i < drill->removed().size(); ++i)
       frame_.drilled.removed[i] += drill->removed()[i];
   }

@@ -176,6 +176,9 @@ namespace Enamel
         public double drag;
         public double run_out;
         public int blades;
+        public double shaft_compliance;
+        public double shaft_frequency;
+        public double shaft_damping;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -380,6 +383,7 @@ namespace Enamel
         public ulong unsent;
         public double bur_turns;
         public double bur_torque;
+        public double bur_chatter;
         public double since_tick;
         public int mode;
         public int status;

@@ -318,6 +318,9 @@ class EnamelBur(Structure):
         ("drag", c_double),
         ("run_out", c_double),
         ("blades", c_int32),
+        ("shaft_compliance", c_double),
+        ("shaft_frequency", c_double),
+        ("shaft_damping", c_double),
     ]
 
 
@@ -513,6 +516,7 @@ class EnamelSnapshot(Structure):
         ("unsent", c_uint64),
         ("bur_turns", c_double),
         ("bur_torque", c_double),
+        ("bur_chatter", c_double),
         ("since_tick", c_double),
         ("mode", c_int32),
         ("status", c_int32),
@@ -666,11 +670,14 @@ def material(stiffness=float("inf"), friction=0.0, sliding_friction=None, viscos
                           exponent, thickness, hysteresis, puncture, stribeck, roughness, wavelength)
 
 
-def bur(part=0, wear=0.05, turns=2000.0, torque=0.0, inertia=0.0, drag=0.3, run_out=0.0, blades=0):
+def bur(part=0, wear=0.05, turns=2000.0, torque=0.0, inertia=0.0, drag=0.3, run_out=0.0, blades=0,
+        shaft_compliance=0.0, shaft_frequency=1000.0, shaft_damping=0.05):
     """Return a bur: part of the tool, Archard's coefficient, turns per second without a load. Of its motor also the
     torque at rest (N m; 0: the speed is constant), the inertia of the rotor (kg m^2; 0: 1e-8), and tangential over
-    normal cutting force. Of its vibration the run-out (m) and the number of blades."""
-    return EnamelBur(ctypes.sizeof(EnamelBur), part, wear, turns, torque, inertia, drag, run_out, blades)
+    normal cutting force. Of its vibration the run-out (m) and the number of blades. Of its chatter the give of the shaft
+    (m/N; 0: no chatter), its natural frequency (Hz) and its damping ratio."""
+    return EnamelBur(ctypes.sizeof(EnamelBur), part, wear, turns, torque, inertia, drag, run_out, blades,
+                     shaft_compliance, shaft_frequency, shaft_damping)
 
 
 def tool(*parts):

@@ -67,6 +67,19 @@ TEST_CASE("the tone is the bur's rotation", "[sound]") {
     }
 }
 
+TEST_CASE("chatter is heard at its pitch, louder the faster the head moves", "[sound]") {
+  double before = rms(settled(kEnamel));
+  for (const double speed : {5e-4, 2e-3, 2e-2}) {
+    BurLoad load = kEnamel;
+    load.chatter = speed;
+    load.pitch = 920.0;
+    const auto samples = settled(load);
+    CHECK(rms(samples) > 1.01 * before);
+    before = rms(samples);
+    CHECK(loudest(samples, 700, 1500) == Approx(load.pitch).margin(1.0));
+  }
+}
+
 TEST_CASE("more noise where more is cut, brighter where it is harder, none where nothing is", "[sound]") {
   double before = rms(settled(kFree));
   for (const double removal : {3e-10, 1e-9, 3e-9, 1e-8, 3e-8}) {

@@ -467,7 +467,7 @@ struct Cube {
 // A session with a bur above the cube.
 EnamelSessionDef drilling() {
   static const EnamelPose start{{0, 0, 5e-3}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  static const EnamelBur bur{sizeof(EnamelBur), 0, 0.5, 2000.0, 1e-3, 0.0, 0.3, 5e-6, 6};
+  static const EnamelBur bur{sizeof(EnamelBur), 0, 0.5, 2000.0, 1e-3, 0.0, 0.3, 5e-6, 6, 1e-5, 1000.0, 0.05};
   static EnamelTool tool{};
   tool.size = sizeof tool;
   tool.count = 1;
@@ -550,7 +550,12 @@ TEST_CASE("a solid is cut, and its changed bricks come as triangles", "[c]") {
   EnamelVirtualDevice* device = nullptr;
   REQUIRE(enamel_virtual_create(session, &device) == ENAMEL_OK);
   REQUIRE(enamel_spin(session, 1) == ENAMEL_OK);
-  pressFor(session, device, 400);
+  double chatter = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    pressFor(session, device, 1);
+    chatter = std::max(chatter, snapshotOf(session).bur_chatter);
+  }
+  CHECK(chatter > 0.0);
   enamel_virtual_destroy(device);
   CHECK(snapshotOf(session).removed[0] > 0.0);
   double lowest = 1.0;

@@ -385,6 +385,46 @@ TEST_CASE("compliance: the walls of a hole hold a probe by their friction", "[co
   }
 }
 
+TEST_CASE("compliance: parts at one place share a layer, a puncture and a hole", "[compliance]") {
+  struct Felt {
+    double depth, broke, pull;  // m under 0.5 N; N at which the layer breaks, and that pulls the tool out
+  };
+  const auto feel = [](const Tool& tool, bool spring) {
+    Bench::Setting setting = probeOver(0.3, "tau-nominal.toml", 0, spring);
+    setting.tool = tool;
+    Bench bench(setting);
+    Felt felt{};
+    const auto isBroken = [&] { return bench.haptics->frame().contacts.contacts[0].isPunctured; };
+    for (int i = 0; i < 600; ++i) REQUIRE(bench.press(0.5));
+    felt.depth = bench.depth();
+    for (felt.broke = 0.5; felt.broke < 6.0 && !isBroken(); felt.broke += 1e-3) REQUIRE(bench.press(felt.broke));
+    for (int i = 0; i < 600; ++i) REQUIRE(bench.press(5.0));
+    for (int i = 0; i < 800; ++i) REQUIRE(bench.press(std::max(0.0, 5.0 - 0.01 * i)));
+    for (double pull = 0.0; pull < 6.0 && bench.tool().twist[2] < 0.01; pull += 1e-3) {
+      REQUIRE(bench.press(-pull));
+      felt.pull = std::max(felt.pull, -bench.force());
+    }
+    return felt;
+  };
+  for (const bool spring : {false, true}) {
+    INFO((spring ? "spring" : "position control"));
+    Tool one = probeOver(0.3, "tau-nominal.toml", 0, false).tool, three = one, rod = one;
+    three.count = 3;
+    three.parts[1] = three.parts[2] = three.parts[0];
+    rod.count = 2;  // a thinner rod on the ball, which enters the hole behind it
+    rod.parts[1] = {{0.0, 0.0, 8e-4}, {0.0, 0.0, 1e-2}, 2e-4};
+    const Felt felt = feel(one, spring);
+    CHECK(felt.broke == Approx(1.0).epsilon(0.05));
+    CHECK(felt.pull > 0.3);
+    for (const Tool& tool : {three, rod}) {
+      const Felt same = feel(tool, spring);
+      if (!spring) CHECK(same.depth == Approx(felt.depth).epsilon(0.01));  // each contact has a spring of its own
+      CHECK(same.broke == Approx(felt.broke).epsilon(0.02));
+      CHECK(same.pull == Approx(felt.pull).epsilon(0.02));
+    }
+  }
+}
+
 TEST_CASE("compliance: the walls of a hole only take energy", "[compliance]") {
   for (const int delay : {0, 1, 2})
     for (const double friction : {0.05, 0.3}) {

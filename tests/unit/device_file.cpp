@@ -4,6 +4,7 @@
 #include <string>
 
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/device/tau/model.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
@@ -256,6 +257,36 @@ TEST_CASE("damping, friction and mass are added to every kind", "[device_file]")
     }
     CHECK_NOTHROW(makeMechanism(after));
   }
+}
+
+TEST_CASE("a handpiece in a device file is the one that a program adds", "[device_file]") {
+  const std::string table =
+      "\n[handpiece]\nmass = 0.085\ncom = [0.002, -0.001, 0.06]\ninertia = [8e-5, 8.2e-5, 5e-6]\n";
+  Handpiece h;
+  h.mass = 0.085;
+  h.com = Vec3(0.002, -0.001, 0.06);
+  h.inertia = Vec3(8e-5, 8.2e-5, 5e-6).asDiagonal();
+  for (const std::string file : {"tau-nominal.toml", "delta.toml", "cartesian-3.toml"}) {
+    INFO(file);
+    const std::string text = readFile(test::deviceFile(file));
+    DeviceParameters added = parseDevice(text, file);
+    addHandpiece(added, h);
+    const auto a = makeMechanism(added), b = makeMechanism(parseDevice(text + table, file));
+    Pose pose;
+    pose.position = Vec3(0.01, -0.02, 0.015);
+    Kinematics one, two;
+    REQUIRE(a->reach(pose, Vec6::Zero(), true, one) == Status::ok);
+    REQUIRE(b->reach(pose, Vec6::Zero(), true, two) == Status::ok);
+    CHECK(one.inertia == two.inertia);
+    CHECK(one.gravity == two.gravity);
+  }
+  const std::string text = readFile(test::deviceFile("cartesian-6.toml"));
+  CHECK_THROWS_WITH(parseDevice(text + "\n[handpiece]\nmass = -1.0\n", "d.toml"),
+                    test::ContainsSubstring("d.toml:") && test::ContainsSubstring("mass is -1, must be at least 0 kg"));
+  CHECK_THROWS_WITH(parseDevice(text + table, "d.toml"), test::ContainsSubstring("must have its mass at the TCP"));
+  CHECK_THROWS_WITH(parseDevice(text + "\n[handpiece]\n", "d.toml"), test::ContainsSubstring("mass"));
+  CHECK_THROWS_WITH(parseDevice(text + "\n[handpiece]\nmass = 0.1\nlength = 1.0\n", "d.toml"),
+                    test::ContainsSubstring("length"));
 }
 
 TEST_CASE("a handpiece has its mass and its weight in the model", "[device_file]") {

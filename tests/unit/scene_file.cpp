@@ -192,9 +192,13 @@ TEST_CASE("scene files: solids and burs", "[scene]") {
   refuses("wear = 0.2", "torque = 0.0", "torque: is 0, must be in 1e-06 to 10");
   refuses("wear = 0.2", "run_out = 0.1", "run_out: is 0.1, must be in 0 to 1e-04");
   refuses("wear = 0.2", "blades = 2.5", "blades: is 2.5, must be a whole number");
-  const Bur motor = *read("wear = 0.2", "torque = 1e-3\ninertia = 2e-8\ndrag = 0.4\nrun_out = 5e-6\nblades = 6").bur;
+  const Bur motor = *read("wear = 0.2",
+                          "torque = 1e-3\ninertia = 2e-8\ndrag = 0.4\nrun_out = 5e-6\nblades = 6\n"
+                          "shaft_compliance = 1e-5\nshaft_frequency = 500.0\nshaft_damping = 0.1")
+                         .bur;
   CHECK((motor.torque == 1e-3 && motor.inertia == 2e-8 && motor.drag == 0.4));
   CHECK((motor.runOut == 5e-6 && motor.blades == 6));
+  CHECK((motor.shaftCompliance == 1e-5 && motor.shaftFrequency == 500.0 && motor.shaftDamping == 0.1));
   refuses("radius = 0.001", "radius = 0.0", "whose radius must be greater than 0 mm");
   refuses("wear = 0.2", "speed = 1", "is not a known key");
 }

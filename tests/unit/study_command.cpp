@@ -29,11 +29,11 @@ using test::run;
 const bool kLong = std::getenv("ENAMEL_LONG") != nullptr;
 
 std::string study(const test::TemporaryFolder& folder, const std::string& name, const std::string& arguments) {
-  return "study --no-convergence --output '" + (folder / name) + "' " + arguments;
+  return "study --no-convergence --force 8,15 --output '" + (folder / name) + "' " + arguments;
 }
 std::string convergingStudy(const test::TemporaryFolder& folder, const std::string& name,
                             const std::string& arguments) {
-  return "study --output '" + (folder / name) + "' " + arguments;
+  return "study --force 8,15 --output '" + (folder / name) + "' " + arguments;
 }
 
 std::string file(const test::TemporaryFolder& folder, const std::string& name, const std::string& which) {
@@ -210,6 +210,30 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
     if (symbol != std::string("K_z1") && symbol != std::string("share of limit"))
       CHECK(report.find(std::string(symbol) + ", " + metric->displayUnit) != std::string::npos);
   }
+}
+
+TEST_CASE("study: by default it also pushes with the forces of crown preparations", "[study_command]") {
+  const test::TemporaryFolder folder;
+  const std::string tiny = "study --no-convergence --renderers impedance --scenario 1 --grid 1 --runs 2 ",
+                    output = "--output '" + (folder / "both") + "' ";
+  const auto result = run(tiny + output);
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  const auto settings = [&](const std::string& name) { return test::parseJson(file(folder, name, "study.json")); };
+  CHECK(settings("both").at("F_c [N]") == std::vector<double>{8.0, 15.0});
+  CHECK(settings("both").at("noise [N]") == 0.5);
+  CHECK(settings("both/dental").at("F_c [N]") == std::vector<double>{0.1, 4.9});
+  CHECK(settings("both/dental").at("noise [N]") == 0.1);
+  CHECK(std::filesystem::exists(folder / "both/dental/report.html"));
+  CHECK(run("study --verify '" + (folder / "both/dental") + "'").status == 0);
+  std::filesystem::remove_all(folder / "both/dental");  // interrupted between both
+  const std::string runs = file(folder, "both", "runs.csv");
+  REQUIRE(run(tiny + output + "--resume").status == 0);
+  CHECK(file(folder, "both", "runs.csv") == runs);
+  CHECK(std::filesystem::exists(folder / "both/dental/report.html"));
+  REQUIRE(run(study(folder, "one", "--renderers impedance --scenario 1 --grid 1 --runs 2")).status == 0);
+  CHECK_FALSE(std::filesystem::exists(folder / "one/dental"));
+  CHECK(file(folder, "one", "runs.csv") == runs);
 }
 
 TEST_CASE("study: damping is the plant's, whatever the renderer", "[study_command]") {

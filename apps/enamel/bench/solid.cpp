@@ -148,7 +148,10 @@ std::vector<Measurement> measureSolid(double scale) {
   slow.torque = 1.0;
   slow.runOut = 5e-6;
   slow.blades = 1;
-  measureCutting(std::make_shared<Solid>(*solid), ball(), slow, "ball that slows down and vibrates", calls, rows);
+  slow.shaftCompliance = 1e-5;
+  slow.shaftFrequency = 100.0;
+  measureCutting(std::make_shared<Solid>(*solid), ball(), slow, "ball that slows down, vibrates and chatters", calls,
+                 rows);
   rows.pop_back();
   rows.back().reference_us = constant_us;
   measureCutting(std::make_shared<Solid>(*solid), toolOf("flame-010-040"), {0, 0.5, 2000.0}, "flame", calls, rows);

@@ -65,6 +65,9 @@ Bur burOf(const EnamelBur& given) {
   bur.drag = in.drag;
   bur.runOut = in.run_out;
   bur.blades = in.blades;
+  bur.shaftCompliance = in.shaft_compliance;
+  bur.shaftFrequency = in.shaft_frequency;
+  bur.shaftDamping = in.shaft_damping;
   return bur;
 }
 
@@ -175,6 +178,7 @@ void toPlain(const Snapshot& in, EnamelSnapshot& out) noexcept {
   out.spins = in.spins ? 1 : 0;
   out.bur_turns = in.burTurns;
   out.bur_torque = in.burTorque;
+  out.bur_chatter = in.burChatter;
   out.buttons = tick.measurement.buttons;
   out.conditions = tick.measurement.conditions;
   out.contact_count = storedContacts(in.contacts.count);

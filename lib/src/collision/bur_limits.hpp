@@ -13,12 +13,15 @@ struct BurNumber {
   double low, high;
 };
 
-inline constexpr std::array<BurNumber, 5> kBurNumbers{{
+inline constexpr std::array<BurNumber, 8> kBurNumbers{{
     {"wear", "", &Bur::wear, 1e-9, 1e3},
     {"turns", " 1/s", &Bur::turns, 0.0, 1e4},
     {"inertia", " kg m^2", &Bur::inertia, 1e-12, 1e-3},
     {"drag", "", &Bur::drag, 0.0, 10.0},
     {"run_out", " m", &Bur::runOut, 0.0, 1e-4},
+    {"shaft_compliance", " m/N", &Bur::shaftCompliance, 0.0, 1e-3},
+    {"shaft_frequency", " Hz", &Bur::shaftFrequency, 0.0, 1e5},
+    {"shaft_damping", "", &Bur::shaftDamping, 0.0, 1.0},
 }};
 inline constexpr int kMostBlades = 100;
 

@@ -128,10 +128,23 @@ DeviceParameters parseDevice(std::string_view text, const std::string& file) {
   TomlTable root = parseToml(text, file);
   if (root.has("obstacle")) root.fail("obstacle", "this is a scene file, a device file is needed");
   const std::string kind = kindOf(root);
-  if (kind == "tau") return readTau(root);
-  if (kind == "delta") return readDelta(root);
-  if (kind == "cartesian") return readCartesian(root);
-  root.fail("kind", "is \"" + kind + "\", must be \"tau\", \"delta\" or \"cartesian\"");
+  const Handpiece handpiece = readHandpiece(root);
+  DeviceParameters parameters;
+  if (kind == "tau")
+    parameters = readTau(root);
+  else if (kind == "delta")
+    parameters = readDelta(root);
+  else if (kind == "cartesian")
+    parameters = readCartesian(root);
+  else
+    root.fail("kind", "is \"" + kind + "\", must be \"tau\", \"delta\" or \"cartesian\"");
+  if (!root.has("handpiece")) return parameters;
+  try {
+    addHandpiece(parameters, handpiece);
+  } catch (const Error& error) {
+    root.fail("handpiece", error.what());
+  }
+  return parameters;
 }
 
 DeviceParameters loadDevice(const std::string& path) { return parseDevice(readFile(path), path); }

@@ -148,4 +148,16 @@ Imperfections readImperfections(TomlTable& root) {
   return imperfections;
 }
 
+Handpiece readHandpiece(TomlTable& root) {
+  Handpiece handpiece;
+  if (!root.has("handpiece")) return handpiece;
+  TomlTable table = root.table("handpiece");
+  handpiece.mass = table.number("mass");
+  if (table.has("com")) handpiece.com = table.vector3("com");
+  if (table.has("inertia")) handpiece.inertia = table.matrix3("inertia");
+  if (table.has("gravity")) handpiece.gravity = table.vector3("gravity");
+  table.finish();
+  return handpiece;
+}
+
 }  // namespace enamel

@@ -41,6 +41,9 @@ PlatformParameters readPlatform(TomlTable& root);
 MotorParameters readMotor(TomlTable& root);
 Imperfections readImperfections(TomlTable& root);
 
+/// Read the optional table [handpiece]; without it the mass is 0.
+Handpiece readHandpiece(TomlTable& root);
+
 /// Read and check a whole file of each kind.
 TauParameters readTau(TomlTable& root);
 DeltaParameters readDelta(TomlTable& root);

@@ -39,17 +39,28 @@ double thicknessAt(const Obstacle& obstacle, const Solid& solid, const Contact& 
   return std::numeric_limits<double>::infinity();
 }
 
-// A ball that touches a rough surface has several contacts. Return how many of the contacts, as deep as this one and in
-// its direction, press on the same place of the layer.
-double contactsAt(const Contact& c, double reach, const ContactSnapshot& contacts) noexcept {
+// A ball that touches a rough surface has several contacts, and so have parts at one place. Return how many of the
+// contacts, as deep as this one and in its direction, press on the same place of the layer. There the balls of their
+// radii overlap, seen along the normal.
+double contactsAt(const Contact& c, const Tool& tool, const ContactSnapshot& contacts) noexcept {
+  constexpr double kSlack = 1e-9;  // m, of rounding
   double sum = 1.0;
   for (int i = 0; i < contacts.count; ++i) {
     const Contact& other = contacts.contacts[static_cast<std::size_t>(i)];
-    if (&other == &c || other.obstacle != c.obstacle || other.part != c.part || !other.material.isLayer()) continue;
-    if (!(c.gap < 0.0 && other.gap < 0.0 && (other.point - c.point).norm() <= reach)) continue;
+    if (&other == &c || other.obstacle != c.obstacle || !other.material.isLayer()) continue;
+    const double reach = tool.parts[static_cast<std::size_t>(c.part)].radius +
+                         tool.parts[static_cast<std::size_t>(other.part)].radius + kSlack;
+    const Vec3 way = other.point - c.point, across = way - c.normal.dot(way) * c.normal;
+    if (!(c.gap < 0.0 && other.gap < 0.0 && across.norm() <= reach)) continue;
     sum += std::max(0.0, c.normal.dot(other.normal)) * std::min(1.0, other.gap / c.gap);
   }
   return sum;
+}
+
+// Return whether the walls of the hole already hold the tool at another contact: the deepest one.
+bool isHeld(const Contact& c, const ContactSnapshot& contacts) noexcept {
+  return std::any_of(contacts.contacts.begin(), contacts.contacts.begin() + contacts.count,
+                     [&c](const Contact& other) { return other.obstacle == c.obstacle && other.grip > 0.0; });
 }
 
 // Return how deep a bur is in the obstacle of a contact, m.
@@ -112,7 +123,8 @@ ComplianceMemory::ComplianceMemory(const Scene& scene)
 // A god object outside the surface does not know how far the surface is from a part that is inside.
 void ComplianceMemory::letIn(const Tool& tool, ToolTrack& track) const noexcept {
   for (const Pressed& last : last_)
-    if (last.isPunctured != 0.0) track.letIn(tool, static_cast<int>(last.obstacle), static_cast<int>(last.part));
+    for (int part = 0; last.isPunctured != 0.0 && part < tool.count; ++part)
+      track.letIn(tool, static_cast<int>(last.obstacle), part);
 }
 
 void ComplianceMemory::enter(const Scene& scene, const Tool& tool, const PartRange& bur, double cut,
@@ -120,16 +132,13 @@ void ComplianceMemory::enter(const Scene& scene, const Tool& tool, const PartRan
   if (!isAny_) return;
   std::array<double, kMaxContacts> sharing;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
-    const Contact& c = contacts.contacts[i];
-    constexpr double kSlack = 1e-9;  // m, of rounding
-    sharing[i] = contactsAt(c, 2.0 * tool.parts[static_cast<std::size_t>(c.part)].radius + kSlack, contacts);
+    sharing[i] = contactsAt(contacts.contacts[i], tool, contacts);
+    contacts.contacts[i].grip = contacts.contacts[i].sunk = 0.0;
   }
   bool isMoved = false;
   for (int i = 0; i < contacts.count; ++i) {
     Contact& c = contacts.contacts[static_cast<std::size_t>(i)];
-    c.grip = c.sunk = 0.0;
     if (!c.material.isLayer()) continue;
-    c.material.stiffness /= sharing[static_cast<std::size_t>(i)];
     const Obstacle& obstacle = scene.obstacles()[static_cast<std::size_t>(c.obstacle)];
     const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape);
     if (solid != nullptr) c.material.thickness = std::min(c.material.thickness, thicknessAt(obstacle, **solid, c));
@@ -138,19 +147,21 @@ void ComplianceMemory::enter(const Scene& scene, const Tool& tool, const PartRan
     const bool spins = solid != nullptr && bur.has(c.part);
     for (const Pressed& last : last_) {
       if (last.obstacle != c.obstacle) continue;
+      c.isPunctured = c.isPunctured || (c.gap < 0.0 && last.isPunctured != 0.0 && std::isfinite(c.material.puncture));
       if (spins && bur.has(static_cast<int>(last.part))) deepest = std::max(deepest, last.compression);
       if (last.part != c.part) continue;
-      c.isPunctured = c.isPunctured || (c.gap < 0.0 && last.isPunctured != 0.0 && std::isfinite(c.material.puncture));
       if (last.key == c.key) c.compression = last.compression;
       deepest = std::max(deepest, last.compression);
     }
     if (c.compression == kNotCompressed && deepest > 0.0) c.compression = deepest;  // a new place of a pressed layer
     if (!c.isPunctured) {
+      c.material.stiffness /= sharing[static_cast<std::size_t>(i)];
       if (!spins) continue;
       c.sunk = std::clamp(depthOf(c, bur, contacts), 0.0, std::max(0.0, deepest - cut));
     } else {
       isMoved = true;
-      c.grip = gripOf(c.material, tool.parts[static_cast<std::size_t>(c.part)].radius, -c.gap);
+      if (!isHeld(c, contacts))
+        c.grip = gripOf(c.material, tool.parts[static_cast<std::size_t>(c.part)].radius, -c.gap);
       c.gap += c.material.thickness;
     }
     c.compression = -1.0;
@@ -184,9 +195,9 @@ void ComplianceMemory::press(const TickOutput& output, double period, ContactSna
   for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
     const Contact& c = contacts.contacts[i];
     if (c.compression < 0.0) continue;
-    double whole = isDivided ? 0.0 : output.normalForce;  // of this part on this obstacle
+    double whole = isDivided ? 0.0 : output.normalForce;  // of the tool on this obstacle
     for (std::size_t j = 0; isDivided && j < static_cast<std::size_t>(contacts.count); ++j)
-      if (last_[j].obstacle == last_[i].obstacle && last_[j].part == last_[i].part) whole += forces[j];
+      if (contacts.contacts[j].obstacle == c.obstacle && contacts.contacts[j].compression >= 0.0) whole += forces[j];
     if (whole > c.material.puncture) last_[i].isPunctured = 1.0;
   }
 }

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kFollow = 0.05;   // filter gain per tick for force, hardness and feed
 constexpr double kMostOwed = 4.0;  // times the area and the height to which the surface is known
+constexpr double kSeed = 1e-3;     // amplitude at which chatter begins, over the largest one
 constexpr double kFacing = 0.1, kAhead = 0.7, kSide = 0.9;  // cosines
 // Contacts beside the direction of the force are soft. A servo that is as stiff sideways as ahead holds a spinning bur
 // in three directions, and encoder noise makes it chatter in each.
@@ -75,6 +76,24 @@ void Drill::turn(double elapsed) noexcept {
     speed_ = std::max(0.0, goal + (speed_ - goal) * std::exp(-follow_ * elapsed));
   }
   phase_ = std::fmod(phase_ + turns() * elapsed, 1.0);
+  wave_ = std::fmod(wave_ + chatterFrequency() * elapsed, 1.0);
+}
+
+// Near the limit the amplitude grows at the rate 2 pi f (F / (2 k (1 + z) h) - z). The motor pays for what the shaft
+// loses, and cannot give more than the cut takes.
+void Drill::swing(double pressed, double elapsed) noexcept {
+  const double passes = turns() * bur_.blades, bite = passes > 0.0 ? std::max(0.0, feed_) / passes : 0.0;
+  const double give = bur_.shaftCompliance, damping = bur_.shaftDamping, rate = 2.0 * M_PI * bur_.shaftFrequency;
+  if (!(give > 0.0 && bite > 0.0)) {
+    chatter_ = 0.0;
+    return;
+  }
+  const double turning = 2.0 * M_PI * turns(), loss = damping * rate / give;  // loss: power over amplitude^2
+  const double most = std::min(bite / std::sqrt(2.0), std::sqrt(load_ * turning / loss));
+  const double growth = rate * (0.5 * give * pressed / ((1.0 + damping) * bite) - damping);
+  const double from = growth > 0.0 ? std::max(chatter_, kSeed * most) : chatter_;
+  chatter_ = std::min(most, from * std::exp(growth * elapsed));
+  load_ += loss * chatter_ * chatter_ / turning;
 }
 
 void Drill::vibrate(const Pose& pose, double period, ContactSnapshot& contacts) noexcept {
@@ -91,6 +110,9 @@ void Drill::vibrate(const Pose& pose, double period, ContactSnapshot& contacts) 
     const double amplitude = rendered(bur_.blades * turns, bite);
     shake_ -= amplitude * std::cos(bur_.blades * angle) * way_;
     velocity += amplitude * bur_.blades * rate * std::sin(bur_.blades * angle) * way_;
+    const double swing = rendered(chatterFrequency(), chatter_), wave = 2.0 * M_PI * wave_;
+    shake_ -= swing * std::cos(wave) * way_;
+    velocity += 2.0 * M_PI * chatterFrequency() * swing * std::sin(wave) * way_;
   }
   for (int i = 0; i < contacts.count; ++i) {
     Contact& c = contacts.contacts[static_cast<std::size_t>(i)];
@@ -125,7 +147,7 @@ void Drill::lift() noexcept {
   rests_ = false;
   load_ = 0.0;
   force_.setZero();
-  feed_ = recession_ = 0.0;
+  feed_ = recession_ = chatter_ = 0.0;
 }
 
 // Cut a solid with each part, on the way from the last tick to its place now.
@@ -184,15 +206,12 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   const double asked = recession_ * area_ * elapsed + owed_;
   advance_ = std::max(0.0, asked / area_);
 
-  // Retract the bur until no contact is deeper than this tick's advance.
-  double back = -rough_, depth = -rough_;
-  for (const Contact* c = deepest; c != end; ++c) {
-    const double gap = gaps_[static_cast<std::size_t>(c - first)];
-    if (c->obstacle != number || !parts_.has(c->part) || way_.dot(c->normal) < kAhead) continue;
-    depth = std::max(depth, -gap / way_.dot(c->normal));
-    if (gap >= 0.0) continue;
-    back = std::max(back, -gap / way_.dot(c->normal) - advance_);
-  }
+  // The bur cuts where it is, or where it rests on the surface if it is deeper, and as far ahead as the law wants.
+  double depth = -rough_;
+  for (const Contact* c = deepest; c != end; ++c)
+    if (c->obstacle == number && parts_.has(c->part) && way_.dot(c->normal) >= kAhead)
+      depth = std::max(depth, -gaps_[static_cast<std::size_t>(c - first)] / way_.dot(c->normal));
+  const double back = std::max(0.0, depth) - advance_;
   std::array<Segment, kMaxToolParts> axes;
   for (std::size_t i = 0; i < static_cast<std::size_t>(parts_.count); ++i)
     axes[i] = {inSolid(pose.position + pose.rotation * head_[i].a + back * way_ + shake_),
@@ -207,6 +226,7 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   }
   owed_ = std::clamp(asked - volume, -kMostOwed * area_ * rough_, kMostOwed * area_ * rough_);
   if (obstacle_ == number) follow(moved, depth, elapsed);
+  swing(pressed, elapsed);
   obstacle_ = number;
 }
 

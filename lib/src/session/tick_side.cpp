@@ -280,6 +280,7 @@ void Session::Impl::publish(const LoopTick& tick, const TickFrame& frame) noexce
   now.spins = spins;
   now.burTurns = world->drill ? world->drill->turns() : 0.0;
   now.burTorque = world->drill ? world->drill->load() : 0.0;
+  now.burChatter = world->drill ? world->drill->chatter() : 0.0;
   now.removed = removed;
   now.missed = missed;
   now.held = held;

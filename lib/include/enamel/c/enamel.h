@@ -109,14 +109,17 @@ typedef struct EnamelTool {
 
 typedef struct EnamelBur {
   uint32_t size;
-  int32_t part;   /* of the tool: the first one of the head */
-  double wear;    /* Archard's coefficient */
-  double turns;   /* per second, without a load */
-  double torque;  /* of the motor at rest, N m: it falls linearly to 0 at `turns`; 0: the speed is constant */
-  double inertia; /* of rotor and bur, kg m^2; 0: 1e-8 */
-  double drag;    /* tangential over normal cutting force */
-  double run_out; /* of the head, m */
-  int32_t blades; /* 0: grit */
+  int32_t part;            /* of the tool: the first one of the head */
+  double wear;             /* Archard's coefficient */
+  double turns;            /* per second, without a load */
+  double torque;           /* of the motor at rest, N m: it falls linearly to 0 at `turns`; 0: the speed is constant */
+  double inertia;          /* of rotor and bur, kg m^2; 0: 1e-8 */
+  double drag;             /* tangential over normal cutting force */
+  double run_out;          /* of the head, m */
+  int32_t blades;          /* 0: grit */
+  double shaft_compliance; /* give of the shaft that carries the head, m/N; 0: rigid, no chatter */
+  double shaft_frequency;  /* its natural frequency, Hz */
+  double shaft_damping;    /* its damping ratio */
 } EnamelBur;
 
 /* State of a device as an own mechanism computes it. See EnamelTickInput for jacobian and inverse. */
@@ -311,14 +314,15 @@ typedef struct EnamelSnapshot {
   double heat;                       /* as EnamelMeasurement */
   double removed[ENAMEL_MAX_LAYERS]; /* material removed since the start, m^3 by layer */
   uint64_t missed, held, dropped_events, lost_cuts;
-  uint64_t unsent;   /* commands that the device of enamel_start_device() refused */
-  double bur_turns;  /* speed of the bur, turns per second */
-  double bur_torque; /* of the cut on its motor, N m */
-  double since_tick; /* s since the last tick began: grows if the loop hangs; 0: no loop runs */
-  int32_t mode;      /* EnamelMode */
-  int32_t status;    /* EnamelResult of the tick, or ENAMEL_STOPPED */
-  int32_t reason;    /* of the guard for this tick: enamel_reason_text() */
-  int32_t fault;     /* latched; 0: none */
+  uint64_t unsent;    /* commands that the device of enamel_start_device() refused */
+  double bur_turns;   /* speed of the bur, turns per second */
+  double bur_torque;  /* of the cut on its motor, N m */
+  double bur_chatter; /* amplitude of its chatter, m */
+  double since_tick;  /* s since the last tick began: grows if the loop hangs; 0: no loop runs */
+  int32_t mode;       /* EnamelMode */
+  int32_t status;     /* EnamelResult of the tick, or ENAMEL_STOPPED */
+  int32_t reason;     /* of the guard for this tick: enamel_reason_text() */
+  int32_t fault;      /* latched; 0: none */
   int32_t enabled, clutched, spins;
   uint32_t buttons, conditions;
   int32_t contact_count;    /* near contacts: those with a gap above 0 do not touch */

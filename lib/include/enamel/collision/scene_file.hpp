@@ -33,8 +33,8 @@ struct SceneFile {
 /// - `name`, `start` [m], optional `max_force` [N];
 /// - optional `tool`: a name (toolOf()), or a list of capsules in the platform's frame: `from`, optional `to` (default:
 ///   a sphere), `radius`;
-/// - optional table `bur`: the tool's `part` (default 0), `wear`, `turns` a second, `torque` [N m], `inertia` [kg m^2],
-///   `drag`, `run_out` [m] and `blades` (defaults: those of Bur);
+/// - optional table `bur`: the tool's `part`, and the numbers of Bur: `wear`, `turns`, `torque`, `inertia`, `drag`,
+///   `run_out`, `blades`, `shaft_compliance`, `shaft_frequency` and `shaft_damping`;
 /// - list `obstacle` of tables, each with `name`, `shape`, the keys of its shape, and optionally its material and a
 ///   table `suspension`;
 /// - optional list `guide` of tables, each with `shape`, the keys of its shape, `stiffness` [N/m] and `max_force` [N].

@@ -42,6 +42,8 @@ struct Bur {
   double drag = 0.3;      ///< tangential over normal cutting force: the load of the motor
   double runOut = 0.0;    ///< distance of the head's axis from the axis of rotation, m
   int blades = 0;         ///< 0: grit
+  /// Give of the shaft that carries the head, m/N (0: rigid, no chatter), its natural frequency, Hz, and damping ratio.
+  double shaftCompliance = 0.0, shaftFrequency = 1000.0, shaftDamping = 0.05;
 };
 
 /// Largest distance of an end from the TCP along an axis, and largest radius, m. Larger values are probably

@@ -5,8 +5,8 @@
 // force never falls if the compression grows. So the series is never stiffer than the renderer's rigid wall, however
 // stiff the material is.
 //
-// Contacts of one part of the tool within its diameter share one layer, by their depths and by the cosine between their
-// normals. Others have a layer each.
+// Contacts within the radii of their parts share one layer, by their depths and by the cosine between their normals.
+// Others have a layer each.
 #pragma once
 
 #include <array>
@@ -47,15 +47,15 @@ double softness(const Contact& contact, double depth, double soft, double period
 /// Return the compression, m, at which a material has a force, N. Realtime: yes.
 double compressionUnder(const Material& material, double force, double before, double period) noexcept;
 
-/// Compressions of the last tick, and layers that the tool has pierced. A layer breaks where the sum of the forces of a
-/// part on an obstacle exceeds Material::puncture. The part of the tool then meets only the ground below it, one
-/// thickness deeper and rigid, until the part has left the obstacle.
+/// Compressions of the last tick, and layers that the tool has pierced. A layer breaks where the sum of the forces of
+/// the tool on the layers of an obstacle exceeds Material::puncture. The tool then meets only the ground below it, one
+/// thickness deeper and rigid, until it has left the obstacle.
 class ComplianceMemory {
  public:
   /// Realtime: no.
   explicit ComplianceMemory(const Scene& scene);
 
-  /// Let the parts that have pierced a layer go on inside the obstacle. Call it before followContacts(). Realtime: yes.
+  /// Let a tool that has pierced a layer go on inside the obstacle. Call it before followContacts(). Realtime: yes.
   void letIn(const Tool& tool, ToolTrack& track) const noexcept;
 
   /// Enter compressions and punctures into the contacts of a new sample. A layer of a solid is at most as thick as its

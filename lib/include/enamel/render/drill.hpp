@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -35,6 +36,14 @@ struct SolidCut {
 /// that rests on the surface. A bur that starts within a layer that it compresses stays there, until the surface has
 /// receded to it (Contact::sunk).
 ///
+/// The shaft of the bur is a spring of stiffness k with the natural frequency f and the damping ratio z. A blade cuts a
+/// chip of the feed per blade, h, and the wave that the last blade left. The cut thereby resists with F / h. It excites
+/// itself (regenerative chatter) at the frequency f sqrt(1 + 2 z) above the limit of Tlusty,
+///
+///   F / h > 2 k z (1 + z)
+///
+/// until the blades leave the surface, at the amplitude h / sqrt(2). Source: lib/docs/bur.md.
+///
 /// The bur is the head of the tool (Tool::head). Its parts move, cut and vibrate together, and the contacts of each
 /// part count.
 class Drill {
@@ -51,6 +60,9 @@ class Drill {
   /// Return the present speed, turns per second, and the torque of the last cut on the motor, N m. Realtime: yes.
   double turns() const noexcept { return speed_ * bur_.turns; }
   double load() const noexcept { return load_; }
+  /// Return amplitude, m, and frequency, Hz, of the chatter. Realtime: yes.
+  double chatter() const noexcept { return chatter_; }
+  double chatterFrequency() const noexcept { return bur_.shaftFrequency * std::sqrt(1.0 + 2.0 * bur_.shaftDamping); }
   /// Return the obstacle that the last tick cut; -1: none. hold() returns the stiffness, N/m, with which its pit holds
   /// the bur across the force F. The pit has the shape of the bur to within the height u of a cut surface over its
   /// samples. So its radius exceeds that of the bur by 2 u, and the normal turns by a sideways way over 2 u: F / (2 u).
@@ -66,8 +78,9 @@ class Drill {
   void correct(ContactSnapshot& contacts) noexcept;
 
   /// Move the contacts as the head of the bur vibrates; cut() then cuts with the moved head. Its run-out turns with the
-  /// bur. The feed of a blade has the frequency of the blades, against the force. A vibration with fewer than 8 ticks
-  /// of `period` s a wave is reduced, with 4 it is left out. Call it before correct(). Realtime: yes.
+  /// bur. The feed of a blade has the frequency of the blades, against the force, and so acts the chatter. A vibration
+  /// with fewer than 8 ticks of `period` s a wave is reduced, with 4 it is left out. Call it before correct().
+  /// Realtime: yes.
   void vibrate(const Pose& pose, double period, ContactSnapshot& contacts) noexcept;
 
   /// Cut material; the last stage of a tick. `force` is the force of the wall on the tool, W, N; a mean over about 20
@@ -94,6 +107,7 @@ class Drill {
 
  private:
   void turn(double elapsed) noexcept;
+  void swing(double pressed, double elapsed) noexcept;
   RemovedVolume cutTo(Solid& solid, int number, const std::array<Segment, kMaxToolParts>& axes) noexcept;
   void follow(const Vec3& moved, double back, double elapsed) noexcept;
 
@@ -109,6 +123,8 @@ class Drill {
   double speed_ = 0.0;         // over the free one
   double phase_ = 0.0;         // of the rotation, turns
   double load_ = 0.0;          // N m
+  double chatter_ = 0.0;       // amplitude, m
+  double wave_ = 0.0;          // phase of the chatter, in waves
   Vec3 shake_ = Vec3::Zero();  // displacement of the head by its vibration, W, m
   std::vector<std::shared_ptr<Solid>> solids_;
   int obstacle_ = -1;                        // cut at the last tick

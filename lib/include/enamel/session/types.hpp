@@ -78,6 +78,7 @@ struct Snapshot {
   bool spins = false;               ///< the motor of the bur is on
   double burTurns = 0.0;            ///< speed of the bur, turns per second
   double burTorque = 0.0;           ///< of the cut on its motor, N m
+  double burChatter = 0.0;          ///< amplitude of its chatter, m
   RemovedVolume removed{};          ///< material removed by this session since its start, m^3 by layer
   std::uint64_t missed = 0;         ///< periods that passed without a tick, by the time stamps
   std::uint64_t held = 0;           ///< ticks without a new sample
