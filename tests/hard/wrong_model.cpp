@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
+#include "enamel/device/device_file.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/sim/plant_maker.hpp"
 #include "enamel/study/monte_carlo.hpp"
@@ -201,6 +203,66 @@ TEST_CASE("position control loses no push if rotors and masses are wrong", "[har
     INFO("in the file x " << factor);
     CHECK(resultOf(error, 1000.0).lost == 0);
   }
+}
+
+// A tick moves a light device by less than a count of its encoders. Impacts saturate its motors.
+TEST_CASE("position control loses hardly a push of a light device with coarse encoders and a wrong mass", "[hard]") {
+  struct Device {
+    const char* file;
+    double cable;  // stiffness over mass, N/m per kg; 0: rigid
+  };
+  for (const auto& [file, cable] :
+       {Device{"touch.toml", 0.0}, Device{"inverse3.toml", 0.0}, Device{"inverse3.toml", 1e6}})
+    for (const double factor : {0.7, 0.85, 1.0, 1.15, 1.3}) {
+      auto inFile = std::get<CartesianParameters>(loadDevice(test::deviceFile(file)));
+      inFile.imperfections = {};
+      inFile.imperfections.currentBandwidth = 1000.0;
+      if (cable > 0.0) {
+        inFile.rotorMass = 0.2 * inFile.mass;
+        inFile.imperfections.cableStiffness = cable * inFile.mass;
+        inFile.imperfections.cableDamping = 54.0 * inFile.mass;
+      }
+      CartesianParameters device = inFile;
+      device.mass *= factor;
+      std::vector<StudyPlan> plans;
+      for (const double share : {0.25, 0.4, 0.57, 0.65})  // of the motors' force
+        for (int delay = 0; delay <= 3; ++delay) {
+          StudyPlan plan;
+          plan.scenarios = {1};
+          plan.grid = 1;
+          plan.runs = test::count(3, 25);
+          plan.insideTick = true;
+          plan.lowestForce = plan.highestForce = share * device.maxForce;
+          plan.setup.period = kPeriod;
+          plan.setup.delay = {delay, delay};
+          plan.setup.duration = 2.2;
+          plan.setup.encoders = {true, RateSource::difference};
+          plan.setup.hand.preload = device.maxForce / 12.0;
+          plan.setup.hand.noise = 0.01 * device.maxForce;
+          plan.setup.seed = test::seed() + 11;
+          StudyColumn column;
+          column.name = file;
+          column.plant = makeMechanism(modelFor(kImperfect, device));
+          column.model = makeMechanism(modelFor(kImperfect, inFile));
+          column.makePlant = plantMaker(kImperfect, device, {}, plan.setup);
+          column.make = [options = positionControlFor(*column.model, kPeriod, delay, delay)](std::size_t) {
+            return std::make_unique<PositionControlRenderer>(options);
+          };
+          plan.columns = {column};
+          plans.push_back(plan);
+        }
+      const std::size_t size = plans.front().size();
+      std::vector<int> lost(plans.size() * size);
+      parallelFor(lost.size(), availableThreads(), [&](std::size_t i) {
+        const StudyResult r = performRun(plans[i / size], runAt(plans[i / size], i % size));
+        lost[i] = r.status != Status::ok || isLost(r);
+      });
+      const auto sum = std::accumulate(lost.begin(), lost.end(), 0);
+      if (test::longRun())
+        std::printf("%s, cables %g, mass x %.2f: %d of %zu lost\n", file, cable, factor, sum, lost.size());
+      INFO(file << ", cables " << cable << ", mass x " << factor);
+      CHECK(sum <= 0.05 * static_cast<double>(lost.size()));
+    }
 }
 
 // Above half the sample rate, a resonance looks like one below it. Then the estimate can be wrong.

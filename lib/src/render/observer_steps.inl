@@ -243,14 +243,15 @@ struct Steps {
     Wide force = larger(net, kLeastForce * step);
     // A mode teaches the mass in a tick in two cases; else the mass counts as known. Its uncertainty moves the mode by
     // more than the rounding of encoders, which averaging does not remove. Or the mode moves by more than a count, so
-    // that the rounding is independent from tick to tick, and the uncertainty changes the force by more than the hand's
-    // tremor: commands follow the tremor, and the model of the push does not contain it.
+    // that the rounding is independent from tick to tick, and the uncertainty surely changes the force by more than the
+    // hand's tremor: commands follow the tremor, and the model of the push does not contain it.
     const double T = data.period, deviation = std::sqrt(s.scaleVariance);
-    const Wide unsure = deviation * net, moved = 0.5 * T * T * unsure / (wide(s.used) + data.drive.rotorInertia);
-    const Wide travel = T * magnitudeOf(wide(s.mean[kMech - 1]));
+    const Wide sure = net - 2.0 * rootOf(wide(s.P[at(kPush, kPush)])),
+               travel = T * magnitudeOf(wide(s.mean[kMech - 1]));
+    const Wide moved = 0.5 * T * T * deviation * net / (wide(s.used) + data.drive.rotorInertia);
     Lane matters;
     wide(matters) = larger(select(moved * moved > wide(s.readingVariance), 1.0, 0.0),
-                           select((travel > wide(s.largestStep)) & (unsure > wide(s.tremor)), 1.0, 0.0));
+                           select((travel > wide(s.largestStep)) & (deviation * sure > wide(s.tremor)), 1.0, 0.0));
     if (kMech == 4) force = larger(force, larger(magnitudeOf(wide(command)), magnitudeOf(push)));
     const double lack2 = data.modelError * data.modelError, disturbance = data.drive.disturbance;
     const Wide lacks = lack2 * force * force, rotor = lacks + disturbance * disturbance + wide(variance);
