@@ -241,10 +241,11 @@ struct Steps {
     // the force itself, which keeps the controller's margin to a wrong resonance (loop transfer recovery).
     const Wide push = wide(s.mean[kPush]), step = wide(s.step), net = magnitudeOf(wide(command) + push);
     Wide force = larger(net, kLeastForce * step);
-    // A mode teaches the mass in a tick in two cases; else the mass counts as known. Its uncertainty moves the mode by
-    // more than the rounding of encoders, which averaging does not remove. Or the mode moves by more than a count, so
-    // that the rounding is independent from tick to tick, and the uncertainty surely changes the force by more than the
-    // hand's tremor: commands follow the tremor, and the model of the push does not contain it.
+    // A mode teaches the mass in a tick in two cases; else the mass counts as known. In the first, its uncertainty
+    // moves the mode by more than the rounding of encoders, which averaging does not remove. In the second, the mode
+    // moves by more than a count, so that the rounding is independent from tick to tick. The uncertainty then must
+    // surely change the force by more than the hand's tremor. Commands follow the tremor, and the model of the push
+    // does not contain it.
     const double T = data.period, deviation = std::sqrt(s.scaleVariance);
     const Wide sure = net - 2.0 * rootOf(wide(s.P[at(kPush, kPush)])),
                travel = T * magnitudeOf(wide(s.mean[kMech - 1]));
