@@ -17,7 +17,7 @@ struct PushOptions {
   std::optional<Array> start, tip;
   bool guard = true;
   double maxForce = kUnlimited;
-  bool guide = true, arm = false;
+  bool guide = true, arm = false, fingerRest = false;
   Delays delay{0, 0};
   bool encoders = false;
   std::string rates;
@@ -36,7 +36,8 @@ Keywords<PushOptions> pushKeywords() {
   Keywords<O> keywords("push");
   keywords.add("scene", &O::scene).add("scenario", &O::scenario).add("force", &O::force).add("preload", &O::preload);
   keywords.add("noise", &O::noise).add("start", &O::start).add("tip", &O::tip).add("guard", &O::guard);
-  keywords.add("max_force", &O::maxForce).add("guide", &O::guide).add("arm", &O::arm).add("delay", &O::delay);
+  keywords.add("max_force", &O::maxForce).add("guide", &O::guide).add("arm", &O::arm);
+  keywords.add("finger_rest", &O::fingerRest).add("delay", &O::delay);
   keywords.add("encoders", &O::encoders).add("rates", &O::rates).add("low_pass", &O::lowPass);
   keywords.add("period", &O::period).add("substeps", &O::substeps).add("duration", &O::duration).add("seed", &O::seed);
   keywords.add("run", &O::run).add("inside_tick", &O::insideTick).add("plant", &O::plant).add("model", &O::model);
@@ -51,6 +52,7 @@ PushSetup setupOf(const PushOptions& options) {
   setup.hand.noise = options.noise;
   setup.hand.guide = options.guide;
   if (options.arm) setup.hand.arm = kArm;
+  if (options.fingerRest) setup.hand.rest = kFingerRest;
   if (options.start) setup.start.position = vec3(*options.start, "start", "m");
   if (options.tip) setToolTip(vec3(*options.tip, "tip", "m"), setup);
   setup.force = options.maxForce;
@@ -165,7 +167,8 @@ void addPush(py::module_& m) {
       deviceAnd("renderer"), TypeName<Push>::text(),
       "Simulate one push of a tool against a wall on the virtual device, as enamel push does. The wall is z = 0, or "
       "the obstacle of a scene that is nearest to its start. Scenario 1: a step of `force` (N) at 1 s; 2: a hand moves "
-      "into the wall. `delay`: smallest and largest delay of the command, ticks. `model`: the Device that renderer and "
+      "into the wall. `finger_rest`: a finger 15 mm behind the tip rests on a tooth. `delay`: smallest and largest "
+      "delay of the command, ticks. `model`: the Device that renderer and "
       "guard use instead of `device`. The same arguments give the same bits. Raises Error if a value is outside its "
       "range or the device leaves its workspace, and any exception of a PythonRenderer. The GIL is released.");
   py::options help;

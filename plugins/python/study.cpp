@@ -16,6 +16,7 @@ struct StudyOptions {
   double halfWidth = 0.025;
   int runs = 20;
   double lowestForce = 8.0, highestForce = 15.0, preload = 0.0, noise = 0.5;
+  bool fingerRest = false;
   Delays delay{0, 0};
   bool encoders = false, guard = true;
   double period = 1e-3;
@@ -30,7 +31,8 @@ Keywords<StudyOptions> studyKeywords() {
   Keywords<O> keywords("study");
   keywords.add("scenarios", &O::scenarios).add("grid", &O::grid).add("half_width", &O::halfWidth);
   keywords.add("runs", &O::runs).add("lowest_force", &O::lowestForce).add("highest_force", &O::highestForce);
-  keywords.add("preload", &O::preload).add("noise", &O::noise).add("delay", &O::delay).add("encoders", &O::encoders);
+  keywords.add("preload", &O::preload).add("noise", &O::noise).add("finger_rest", &O::fingerRest);
+  keywords.add("delay", &O::delay).add("encoders", &O::encoders);
   keywords.add("guard", &O::guard).add("period", &O::period).add("seed", &O::seed);
   keywords.add("inside_tick", &O::insideTick).add("plant", &O::plant).add("threads", &O::threads);
   return keywords;
@@ -52,6 +54,7 @@ StudyPlan planOf(const StudyOptions& options) {
   plan.insideTick = options.insideTick;
   plan.setup.hand.preload = options.preload;
   plan.setup.hand.noise = options.noise;
+  if (options.fingerRest) plan.setup.hand.rest = kFingerRest;
   plan.setup.delay = {options.delay.first, options.delay.second};
   plan.setup.encoders = encodersOf(options.encoders, "", 100.0);
   plan.setup.guarded = options.guard;

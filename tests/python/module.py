@@ -237,11 +237,13 @@ class Runs(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             output, recording = Path(folder, "run.csv"), Path(folder, "run.rec")
             subprocess.run([TOOL, "push", "--device", TAU, "--output", output, "--record", recording, "--encoders",
-                            "--delay", "constant:1", "--seed", "3"], check=True, stdout=subprocess.DEVNULL)
+                            "--delay", "constant:1", "--seed", "3", "--finger-rest"], check=True, stdout=subprocess.DEVNULL)
             names = output.read_text().splitlines()[0]
             there = np.genfromtxt(output, delimiter=",", skip_header=1)
             law = enamel.position_control(self.device, delay=(1, 1))
-            here = enamel.push(self.device, law, encoders=True, delay=(1, 1), seed=3)
+            options = dict(encoders=True, delay=(1, 1), seed=3)
+            here = enamel.push(self.device, law, finger_rest=True, **options)
+            self.assertFalse((enamel.push(self.device, law, **options).ticks["gap"] == here.ticks["gap"]).all())
             self.assertTrue(names.startswith("t [s],x [m],y [m],z [m]"))
             self.assertEqual(len(there), len(here.ticks))
             self.assertTrue((there[:, 0] == here.ticks["time"]).all())
