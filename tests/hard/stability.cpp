@@ -459,43 +459,69 @@ TEST_CASE("random loops with errors in the stable set", "[hard]") {
   }
 }
 
+namespace {
+
 // A sudden push moves the tool before the observer follows, as a later command would. Coarse encoders and cables hide
 // the difference.
-TEST_CASE("hard pushes do not teach a wrong delay, and a wrong file does not hide the delay", "[hard]") {
-  constexpr int kTicks = 600, kOnset = 150;
+
+constexpr const char* kPressed[] = {"delta.toml", "cartesian-3.toml", "stylus.toml", "touch.toml", "tau-detailed.toml"};
+constexpr int kHardTicks = 600;  // of a push
+
+struct HardPushes {
+  std::size_t count;                        // pushes
+  int wrong = 0, stopped = 0, unknown = 0;  // ticks with a wrong delay; pushes that ended so
+};
+
+HardPushes pressHard(const char* file, int truth, int stated) {
+  constexpr int kOnset = 150;
   constexpr double kLight = 0.05, kPush = 0.6;  // of the device's largest force
-  const int perNormal = test::count(2, 20);
-  for (const char* file : {"delta.toml", "cartesian-3.toml", "stylus.toml", "touch.toml", "tau-detailed.toml"})
+  const auto count = static_cast<std::size_t>(6 * test::count(2, 20));
+  std::vector<int> wrong(count), stopped(count), unknown(count);
+  parallelFor(count, availableThreads(), [&](std::size_t i) {
+    Setup s;
+    s.device = loadDevice(test::deviceFile(file));
+    s.delay = stated;
+    s.errors.delay = truth - stated;
+    s.normal = (i % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(static_cast<Eigen::Index>(i / 2 % 3));
+    s.seed = test::seed() * 1000000 + i;
+    test::Random random(s.seed);
+    Loop loop(s);
+    const Kinematics& home = loop.model().home();
+    const double most = largestForce(home, loop.model().limits().effort, home.pose.position, s.normal);
+    for (int tick = 0; tick < kHardTicks && stopped[i] == 0; ++tick) {
+      const double force = (tick < kOnset ? kLight : kPush) * most;
+      stopped[i] = !loop.step(force * random.uniform(0.9, 1.1));
+      wrong[i] += !loop.knowsDelay(truth);
+    }
+    unknown[i] = stopped[i] == 0 && !loop.knowsDelay(truth);
+  });
+  const auto sum = [](const std::vector<int>& v) { return std::accumulate(v.begin(), v.end(), 0); };
+  return {count, sum(wrong), sum(stopped), sum(unknown)};
+}
+
+}  // namespace
+
+TEST_CASE("hard pushes do not teach a wrong delay, and a wrong file does not hide the delay", "[hard]") {
+  for (const char* file : kPressed)
     for (int truth = 0; truth <= 2; ++truth)
-      for (int stated = 0; stated <= 2; ++stated) {
-        const auto count = static_cast<std::size_t>(6 * perNormal);
-        std::vector<int> wrong(count), stopped(count), unknown(count);
-        parallelFor(count, availableThreads(), [&](std::size_t i) {
-          Setup s;
-          s.device = loadDevice(test::deviceFile(file));
-          s.delay = stated;
-          s.errors.delay = truth - stated;
-          s.normal = (i % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(static_cast<Eigen::Index>(i / 2 % 3));
-          s.seed = test::seed() * 1000000 + i;
-          test::Random random(s.seed);
-          Loop loop(s);
-          const Kinematics& home = loop.model().home();
-          const double most = largestForce(home, loop.model().limits().effort, home.pose.position, s.normal);
-          for (int tick = 0; tick < kTicks && stopped[i] == 0; ++tick) {
-            const double force = (tick < kOnset ? kLight : kPush) * most;
-            stopped[i] = !loop.step(force * random.uniform(0.9, 1.1));
-            wrong[i] += !loop.knowsDelay(truth);
-          }
-          unknown[i] = stopped[i] == 0 && !loop.knowsDelay(truth);
-        });
-        const auto sum = [](const std::vector<int>& v) { return std::accumulate(v.begin(), v.end(), 0); };
+      for (int stated = std::max(0, truth - 1); stated <= 2; ++stated) {
+        const HardPushes pushes = pressHard(file, truth, stated);
         INFO(file << ", delay " << truth << ", stated " << stated);
-        // A delay that is two ticks longer than stated can look like a lighter device for a while.
-        CHECK(sum(unknown) <= (truth - stated > 1 ? 0.1 * static_cast<double>(count) : 0.0));
+        CHECK(pushes.unknown == 0);
         if (truth != stated) continue;
-        CHECK(sum(stopped) == 0);
-        CHECK(sum(wrong) < 0.02 * kTicks * static_cast<double>(count));
+        CHECK(pushes.stopped == 0);
+        CHECK(pushes.wrong < 0.02 * kHardTicks * static_cast<double>(pushes.count));
       }
+}
+
+TEST_CASE(
+    "a delay that is two ticks longer than stated is not taken for a lighter device (expected failure, 13 of 600 "
+    "hard pushes)",
+    "[!shouldfail][hard]") {
+  for (const char* file : kPressed) {
+    INFO(file);
+    CHECK(pressHard(file, 2, 0).unknown == 0);
+  }
 }
 
 // The chatter of position control shakes the rotors behind the cables of the delta. Under a hard push the tool receives
@@ -529,8 +555,8 @@ TEST_CASE("behind cables the guard stops what gives the tool energy, also with w
     std::cout << count << " hard pushes of the delta, cables wrong by up to " << 100.0 * error << " %: " << stopped
               << " stopped, " << early << " of them with less than half the budget, " << missed << " missed, "
               << overpowered << " overpowered, the tool received up to " << 1e3 * most << " mJ\n";
-    if (error == 0.0) CHECK(early <= 0.01 * static_cast<double>(count));
-    CHECK(stopped + 0.01 * static_cast<double>(count) > missed);
+    if (error == 0.0) CHECK(early == 0);
+    if (error > 0.0) CHECK((missed == 0 || stopped > missed));
   }
 }
 
