@@ -202,7 +202,7 @@ Outcome run(const Combination& c) {
   return result;
 }
 
-void check(const Combination& c) {
+void check(const Combination& c, bool judgesChange = true) {
   static std::map<std::pair<int, int>, double> rigid;  // change of the force on a rigid smooth wall
   const auto [place, isNew] = rigid.try_emplace({c[kDevice], c[kDelay]}, 0.0);
   if (isNew) {
@@ -219,9 +219,8 @@ void check(const Combination& c) {
                                             << ", bur " << c[kBur] << ", guides " << c[kGuides] << ", hand " << c[kHand]
                                             << ": " << result.given << " J, " << result.change << " N a tick");
   CHECK(result.fault == GuardReason::none);
-  CHECK(result.given < 1e-3);                             // as for one rough surface
-  const bool swings = c[kDevice] == 1 && c[kDelay] == 0;  // also at a plain wall: lib/docs/stability.md
-  if (!swings) CHECK(result.change <= std::max(1.5 * place->second, held));
+  CHECK(result.given < 1e-3);  // as for one rough surface
+  if (judgesChange) CHECK(result.change <= std::max(1.5 * place->second, held));
   if (c[kBur] > 0 && c[kSupport] == 0) CHECK((result.removed > 0.0) == (c[kBur] < 3));
 }
 
@@ -289,7 +288,7 @@ TEST_CASE("combinations: random ones", "[combinations]") {
   for (int i = 0; i < 3000; ++i) {
     Combination c;
     for (int a = 0; a < kFactors; ++a) c[a] = static_cast<int>(random.uniform(0.0, kSettings[a]));
-    check(c);
+    check(c, c[kDevice] != 1 || c[kDelay] != 0);  // else a plain wall swings too: lib/docs/stability.md
   }
 }
 
