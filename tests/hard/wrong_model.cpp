@@ -81,6 +81,31 @@ std::vector<Error> errorsAt(int delay) {
   return errors;
 }
 
+StudyPlan pushesAt(const Delay& delay) {
+  StudyPlan plan;
+  plan.scenarios = {1};
+  plan.insideTick = true;
+  plan.setup.period = kPeriod;
+  plan.setup.delay = delay;
+  plan.setup.duration = 2.2;
+  plan.setup.encoders = {true, RateSource::difference};
+  plan.setup.seed = test::seed() + 11;
+  return plan;
+}
+
+// Push a device under position control that has a file and a stated delay.
+void addDevice(const DeviceParameters& device, const DeviceParameters& file, const Delay& stated, StudyPlan& plan) {
+  StudyColumn column;
+  column.name = "position-control";
+  column.plant = makeMechanism(modelFor(kImperfect, device));
+  column.model = makeMechanism(modelFor(kImperfect, file));
+  column.makePlant = plantMaker(kImperfect, device, {}, plan.setup);
+  column.make = [options = positionControlFor(*column.model, kPeriod, stated.low, stated.high)](std::size_t) {
+    return std::make_unique<PositionControlRenderer>(options);
+  };
+  plan.columns = {column};
+}
+
 StudyPlan planOf(const Error& error, double cable, int runs) {
   TauParameters device = loadTau(test::deviceFile("tau-detailed.toml"));
   device.imperfections.cableStiffness = cable;
@@ -88,27 +113,13 @@ StudyPlan planOf(const Error& error, double cable, int runs) {
   TauParameters file = device;
   if (error.inFile) error.inFile(file);
   if (error.inDevice) error.inDevice(device);
-  StudyPlan plan;
-  plan.scenarios = {1};
+  StudyPlan plan = pushesAt(error.delay);
   plan.grid = test::count(2, 3);
   plan.runs = runs;
-  plan.insideTick = true;
-  plan.setup.period = kPeriod;
-  plan.setup.delay = error.delay;
-  plan.setup.duration = 2.2;
-  plan.setup.encoders = {true, RateSource::difference};
   plan.setup.hand.preload = 1.0;
-  plan.setup.seed = test::seed() + 11;
   plan.setup.guarded = error.isGuarded;
   if (error.isSilent) plan.setup.wrapper = [](VirtualDevice& d) { return std::make_unique<test::SilentDevice>(d); };
-  StudyColumn column;
-  column.name = error.name;
-  column.plant = makeMechanism(modelFor(kImperfect, device));
-  column.model = makeMechanism(modelFor(kImperfect, file));
-  column.makePlant = plantMaker(kImperfect, device, {}, plan.setup);
-  column.make = [options = positionControlFor(*column.model, kPeriod, error.stated.low, error.stated.high)](
-                    std::size_t) { return std::make_unique<PositionControlRenderer>(options); };
-  plan.columns = {column};
+  addDevice(device, file, error.stated, plan);
   return plan;
 }
 
@@ -227,28 +238,13 @@ TEST_CASE("position control loses hardly a push of a light device with coarse en
       std::vector<StudyPlan> plans;
       for (const double share : {0.25, 0.4, 0.57, 0.65})  // of the motors' force
         for (int delay = 0; delay <= 3; ++delay) {
-          StudyPlan plan;
-          plan.scenarios = {1};
+          StudyPlan plan = pushesAt({delay, delay});
           plan.grid = 1;
           plan.runs = test::count(3, 25);
-          plan.insideTick = true;
           plan.lowestForce = plan.highestForce = share * device.maxForce;
-          plan.setup.period = kPeriod;
-          plan.setup.delay = {delay, delay};
-          plan.setup.duration = 2.2;
-          plan.setup.encoders = {true, RateSource::difference};
           plan.setup.hand.preload = device.maxForce / 12.0;
           plan.setup.hand.noise = 0.01 * device.maxForce;
-          plan.setup.seed = test::seed() + 11;
-          StudyColumn column;
-          column.name = file;
-          column.plant = makeMechanism(modelFor(kImperfect, device));
-          column.model = makeMechanism(modelFor(kImperfect, inFile));
-          column.makePlant = plantMaker(kImperfect, device, {}, plan.setup);
-          column.make = [options = positionControlFor(*column.model, kPeriod, delay, delay)](std::size_t) {
-            return std::make_unique<PositionControlRenderer>(options);
-          };
-          plan.columns = {column};
+          addDevice(device, inFile, plan.setup.delay, plan);
           plans.push_back(plan);
         }
       const std::size_t size = plans.front().size();

@@ -225,11 +225,8 @@ TEST_CASE(
     "reset",
     "[forcedimension]") {
   StandIn standIn;
-  SessionDef def;
-  def.device = urlOf();
-  def.pluginFolder = kFolder;
   test::checkUnpluggedInContact(
-      def, 2e-3, [&](bool on) { standIn.set("unplugged", on); },
+      urlOf(), kFolder, 2e-3, [&](bool on) { standIn.set("unplugged", on); },
       [&] { return std::abs(standIn.force(0)); });  // 2 mm inside
 }
 

@@ -245,11 +245,9 @@ TEST_CASE("faults of the Haply service are missing samples or a lost device, and
 TEST_CASE("a session feels a wall with the Haply driver, and stops when the device is unplugged in contact",
           "[haply]") {
   HaplyService service(kFile, 0.0, -0.004);
-  SessionDef def;
-  def.device = urlOf(service);
-  def.pluginFolder = kFolder;
   test::checkUnpluggedInContact(
-      def, 0.002, [&](bool on) { service.isUnplugged = on; }, [&] { return service.newestForce().norm(); });
+      urlOf(service), kFolder, 0.002, [&](bool on) { service.isUnplugged = on; },
+      [&] { return service.newestForce().norm(); });
 }
 
 TEST_CASE("the command says that a device is lost, waits for it, and continues after Enter", "[haply]") {

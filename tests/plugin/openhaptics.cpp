@@ -191,11 +191,8 @@ TEST_CASE(
     "a session stops when the device of the OpenHaptics driver is unplugged in contact, and continues after a reset",
     "[openhaptics]") {
   StandIn standIn;
-  SessionDef def;
-  def.device = urlOf();
-  def.pluginFolder = kFolder;
   test::checkUnpluggedInContact(
-      def, 2e-3, [&](bool on) { standIn.set("unplugged", on); },
+      urlOf(), kFolder, 2e-3, [&](bool on) { standIn.set("unplugged", on); },
       [&] { return std::abs(standIn.force().z()); });  // 2 mm inside
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "enamel/session/session.hpp"
 #include "support/catch.hpp"
@@ -9,10 +10,14 @@
 
 namespace enamel::test {
 
-/// The session of `def` must feel a wall at `wall` (z, m). It must ramp out when `unplug(true)` takes the device away,
-/// and name the loss. After `unplug(false)` it must come back only by a reset. `force`: that the stand-in receives, N.
-inline void checkUnpluggedInContact(const SessionDef& def, double wall, const std::function<void(bool)>& unplug,
-                                    const std::function<double()>& force) {
+/// A session with the device of a URL must feel a wall at `wall` (z, m). It must ramp out when `unplug(true)` takes the
+/// device away, and name the loss. After `unplug(false)` it must come back only by a reset. `force`: that the stand-in
+/// receives, N.
+inline void checkUnpluggedInContact(const std::string& url, const std::string& pluginFolder, double wall,
+                                    const std::function<void(bool)>& unplug, const std::function<double()>& force) {
+  SessionDef def;
+  def.device = url;
+  def.pluginFolder = pluginFolder;
   Session session(def);
   Obstacle obstacle = flatWall().obstacles()[0];
   obstacle.pose.position.z() = wall;

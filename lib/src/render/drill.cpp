@@ -60,6 +60,7 @@ Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const
       length = std::max(length, std::abs(axes_.col(2).dot(end - head_[0].a)) + part.radius - radius_);
   }
   follow_ = std::isinf(bur.torque) || bur.turns == 0.0 ? 0.0 : bur.torque / (2.0 * M_PI * bur.inertia * bur.turns);
+  chatterFrequency_ = bur.shaftFrequency * std::sqrt(1.0 + 2.0 * bur.shaftDamping);
   removal_ = bur.wear * 2.0 * M_PI * radius_ * bur.turns;
   area_ = (M_PI * radius_ + 2.0 * length) * radius_;
 }
@@ -76,7 +77,7 @@ void Drill::turn(double elapsed) noexcept {
     speed_ = std::max(0.0, goal + (speed_ - goal) * std::exp(-follow_ * elapsed));
   }
   phase_ = std::fmod(phase_ + turns() * elapsed, 1.0);
-  wave_ = std::fmod(wave_ + chatterFrequency() * elapsed, 1.0);
+  wave_ = std::fmod(wave_ + chatterFrequency_ * elapsed, 1.0);
 }
 
 // Near the limit the amplitude grows at the rate 2 pi f (F / (2 k (1 + z) h) - z). The motor pays for what the shaft
@@ -110,9 +111,9 @@ void Drill::vibrate(const Pose& pose, double period, ContactSnapshot& contacts) 
     const double amplitude = rendered(bur_.blades * turns, bite);
     shake_ -= amplitude * std::cos(bur_.blades * angle) * way_;
     velocity += amplitude * bur_.blades * rate * std::sin(bur_.blades * angle) * way_;
-    const double swing = rendered(chatterFrequency(), chatter_), wave = 2.0 * M_PI * wave_;
+    const double swing = rendered(chatterFrequency_, chatter_), wave = 2.0 * M_PI * wave_;
     shake_ -= swing * std::cos(wave) * way_;
-    velocity += 2.0 * M_PI * chatterFrequency() * swing * std::sin(wave) * way_;
+    velocity += 2.0 * M_PI * chatterFrequency_ * swing * std::sin(wave) * way_;
   }
   for (int i = 0; i < contacts.count; ++i) {
     Contact& c = contacts.contacts[static_cast<std::size_t>(i)];

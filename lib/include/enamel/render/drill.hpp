@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -62,7 +61,7 @@ class Drill {
   double load() const noexcept { return load_; }
   /// Return amplitude, m, and frequency, Hz, of the chatter. Realtime: yes.
   double chatter() const noexcept { return chatter_; }
-  double chatterFrequency() const noexcept { return bur_.shaftFrequency * std::sqrt(1.0 + 2.0 * bur_.shaftDamping); }
+  double chatterFrequency() const noexcept { return chatterFrequency_; }
   /// Return the obstacle that the last tick cut; -1: none. hold() returns the stiffness, N/m, with which its pit holds
   /// the bur across the force F. The pit has the shape of the bur to within the height u of a cut surface over its
   /// samples. So its radius exceeds that of the bur by 2 u, and the normal turns by a sideways way over 2 u: F / (2 u).
@@ -116,6 +115,7 @@ class Drill {
   std::array<ToolPart, kMaxToolParts> head_{};  // the parts
   double radius_, thinnest_;                    // largest and smallest of the parts, m
   Mat3 axes_;                                   // of the bur, in P; z is its axis
+  double chatterFrequency_;                     // Hz
   double removal_;                              // K v at the free speed, m^3 s^-1 Pa / N
   double area_;                                 // of the bur, m^2: of a cylinder with round ends around it
   double follow_;  // rate at which the motor approaches its speed, 1/s; 0: the speed is constant
